@@ -62,6 +62,9 @@ if TYPE_CHECKING:
     from relgloss_view.picture.scene.setup import FurtherLamp as FurtherLamp
     from relgloss_view.picture.scene.setup import Lamp as Lamp
     from relgloss_view.picture.scene.setup import Setup as Setup
+    from relgloss_view.proof.proof import Proof as Proof
+    from relgloss_view.proof.read import read_proof as read_proof
+    from relgloss_view.proof.unpack import open_proof as open_proof
     from relgloss_view.quality.backends import open_renderer as open_renderer
 
 _HOMES = {
@@ -77,6 +80,9 @@ _HOMES = {
     "measure.readers": ("read_measurement",),
     "operators.registry": ("OPERATORS", "make_operator"),
     "measure.table": ("Measurement",),
+    "proof.proof": ("Proof",),
+    "proof.read": ("read_proof",),
+    "proof.unpack": ("open_proof",),
     "quality.backends": ("open_renderer",),
     "pack.artwork.artwork": ("Artwork",),
     "pack.artwork.options": ("ArtworkOptions",),

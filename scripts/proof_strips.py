@@ -116,6 +116,7 @@ class Page:
             "Emulation.setDeviceMetricsOverride", width=size[0], height=size[1],
             deviceScaleFactor=scale, mobile=mobile,
         )  # fmt: skip
+        self.browser.cdp("Emulation.setTouchEmulationEnabled", enabled=mobile)
         browsers.open_page(self.browser, file)
         self.run("async () => { await relgloss.ready; }")
         time.sleep(COMPARING_S)
@@ -133,7 +134,7 @@ class Page:
         self.run(
             "async (id) => { await relgloss.idle(); const e = document.getElementById(id);"
             " if (id === 'top') window.scrollTo({top: 0, behavior: 'instant'});"
-            " else e.scrollIntoView({block: 'start', behavior: 'instant'});"
+            " else window.scrollBy({top: e.getBoundingClientRect().top - 16, behavior: 'instant'});"
             " await new Promise((r) => setTimeout(r, 400)); await relgloss.idle(); }",
             at,
         )

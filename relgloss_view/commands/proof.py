@@ -14,10 +14,9 @@ def add(commands: Any) -> None:
     parser = commands.add_parser(
         "proof",
         description="Make one HTML file of a reference picture and a design. Whoever opens it in a "
-        "browser sees both, can change them, and can answer; nothing has to be installed. `check` "
-        "finds whether a file is whole and drawn here as it was there, `show` prints what was "
-        "written, `key` makes a key to sign with.",
-        epilog="example: relgloss proof make matte-coated -o paper.html --note 'Enough gloss?' && "
+        "browser sees both, can change them, and can answer; nothing has to be installed. "
+        "`relgloss view FILE.html` opens it in the window.",
+        epilog="example: relgloss proof make matte-coated -o paper.html --note 'Enough gloss?'; "
         "relgloss proof check paper.html",
     )
     parts = parser.add_subparsers(metavar="PART", required=True, parser_class=type(parser))

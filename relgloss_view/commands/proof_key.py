@@ -38,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.viewer.state.places import config_folder
 
     if (args.trust is None) != (args.name is None):
-        args.wrong_usage("--trust and --name belong together")
+        args.wrong_usage("name a key and its owner together: --trust FILE.pub --name NAME")
     if args.output is not None:
         key = keys.make_key(args.output)
         public = f"{args.output}{keys.SUFFIX}"

@@ -12,8 +12,9 @@ from relgloss_view.base.reading import printable, read_text
 from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.base.writing import check_writable, whole_file
 from relgloss_view.commands.matched import add_reference_option
-from relgloss_view.commands.scene_options import SOURCES, add_scene_options
+from relgloss_view.commands.scene_options import DEFAULT_SIZE, SOURCES, add_scene_options
 from relgloss_view.picture.scene.look import viewed_look
+from relgloss_view.proof.proof import ARTWORK_PX, MOST_AUTHOR, MOST_NOTE, MOST_TITLE
 
 if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from relgloss_view.proof.proof import Message, Proof
 
 SUFFIXES = (".html", ".htm")
-LONGEST_NOTE, LONGEST_AUTHOR, LONGEST_TITLE = 4000, 200, 120  #: characters
-ARTWORK_PX = 2048
 #: Options that a reply can change of the settings that it answers.
 OF_REPLIES = ("sigma_n", "c")
 
@@ -31,6 +30,7 @@ def add(commands: Any) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "make",
+        help="make a proof of a scene, a pack, an artwork or a material, or answer a proof",
         description="Make one HTML file of a design and its reference: whoever opens it in a "
         "browser sees both pictures and can change them, without installing anything. SCENE may "
         "also be a proof that you answer.",
@@ -80,8 +80,8 @@ def run(args: argparse.Namespace) -> int:
     if not 16 <= args.artwork_px <= 8192:
         args.wrong_usage(f"argument --artwork-px: expected 16 to 8192, found {args.artwork_px}")
     note = _note(args)
-    _check_length(args.author, "--author", LONGEST_AUTHOR)
-    _check_length(args.title, "--title", LONGEST_TITLE)
+    _check_length(args.author, "--author", MOST_AUTHOR)
+    _check_length(args.title, "--title", MOST_TITLE)
     check_writable(output)
     key = None if args.sign is None else _key(args.sign)
     sizes: dict[str, int] = {}
@@ -146,13 +146,20 @@ def _place_design(args: argparse.Namespace) -> None:
     given = [name for name in (*SOURCES, "scene") if getattr(args, name) is not None]
     if given:
         args.wrong_usage(f"argument SCENE: not allowed with argument --{given[0]}")
-    from relgloss_view.pack.kinds import ARTWORK, PACK
+    from relgloss_view.pack.kinds import ARTWORK, PACK, SHIPPED
     from relgloss_view.picture.scene.file_kinds import MATERIAL, SCENE, likely_kind
     from relgloss_view.picture.scene.sample import SAMPLES
 
-    if args.design in SAMPLES and not Path(args.design).exists():
-        args.sample = args.design
-        return
+    if not Path(args.design).exists():
+        if args.design in SAMPLES:
+            args.sample = args.design
+            return
+        if args.design not in SHIPPED:
+            raise InputError(
+                f"{args.design}: there is no such file; give a scene or a pack (.toml), a material "
+                "(.json), an artwork (PDF, PNG, JPEG, TIFF, PSD), a proof (.html), or a name of "
+                f"{', '.join((*SAMPLES, *SHIPPED))}"
+            )
     places = {SCENE: "scene", MATERIAL: "material", PACK: "pack", ARTWORK: "artwork"}
     kind = likely_kind(args.design)
     if kind not in places:
@@ -177,8 +184,8 @@ def _reply(args: argparse.Namespace, note: str) -> Proof:
 
     if not note.strip():
         raise InputError(f"{args.design}: is a proof, so this answers it; give --note TEXT")
-    _refuse_options(args)
     proof = read_proof(args.design)
+    _refuse_options(args)
     settings = proof.sent
     test = settings.test
     c = getattr(args, "c", None)
@@ -198,6 +205,8 @@ def _refuse_options(args: argparse.Namespace) -> None:
     given = [name for name in (*SOURCES, "scene", "reference", "lab") if getattr(args, name)]
     given += [o.name for o in OPTIONS if hasattr(args, o.name) and o.name not in OF_REPLIES]
     given += [name for name in ("set", "further_lamp", "title", "lamp") if getattr(args, name)]
+    defaults = {"size": DEFAULT_SIZE, "backend": "auto", "artwork_px": ARTWORK_PX}
+    given += [name for name, default in defaults.items() if getattr(args, name) != default]
     if given:
         flag = given[0].replace("_", "-")
         raise InputError(
@@ -207,13 +216,10 @@ def _refuse_options(args: argparse.Namespace) -> None:
 
 
 def _message(args: argparse.Namespace, note: str, settings: Any) -> Message:
-    from datetime import UTC, datetime
+    from relgloss_view.base.version import PROGRAM
+    from relgloss_view.proof.proof import Message, present_time
 
-    from relgloss_view.base.version import __version__
-    from relgloss_view.proof.proof import Message
-
-    made = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
-    return Message(settings, note, args.author, made, f"relgloss {__version__}")
+    return Message(settings, note, args.author, present_time(), PROGRAM)
 
 
 def _note(args: argparse.Namespace) -> str:
@@ -221,9 +227,9 @@ def _note(args: argparse.Namespace) -> str:
         note = args.note or ""
         where = "--note"
     else:
-        note = read_text(args.note_file, 4 * LONGEST_NOTE, "a text file of the note")
+        note = read_text(args.note_file, 4 * MOST_NOTE, "a text file of the note")
         where = args.note_file
-    _check_length(note, where, LONGEST_NOTE)
+    _check_length(note, where, MOST_NOTE)
     return note.replace("\r\n", "\n").rstrip("\n")
 
 

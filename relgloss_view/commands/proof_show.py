@@ -23,7 +23,8 @@ def add(commands: Any) -> None:
         "show",
         help="print a proof's messages, settings and signatures, and unpack its files",
         description="Print a proof's title, its messages with their settings, and who signed them. "
-        "--files writes the scene, materials and artwork that are inside into a folder.",
+        "--files writes what is inside into a folder: the scene, materials and artwork, and a "
+        "scene with the settings of each answer.",
         epilog="example: relgloss proof show carton.html --files carton",
     )
     parser.add_argument("file", metavar="FILE.html", help="Proof to show")
@@ -45,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
     if args.files is not None:
         from relgloss_view.proof.unpack import unpacked
 
-        unpacked(proof, args.files)
+        unpacked(proof, args.files, answers=True)
     if args.json:
         print(json.dumps(_numbers(args, proof, signatures)))
         return 0
@@ -62,7 +63,11 @@ def run(args: argparse.Namespace) -> int:
         before = message
     print(f"\nfiles: {', '.join(printable(name, 80) for name in proof.content['files'])}")
     if args.files is not None:
-        print(f"written to {named(args.files)}")
+        print(f"written to {named(args.files)}; scene.toml has the settings of message 1")
+        if before is not proof.messages[0]:
+            from relgloss_view.proof.unpack import answer_scene
+
+            print(f"{answer_scene(len(proof.messages))} has those of the newest message")
     else:
         print("--files FOLDER writes them.")
     return 0

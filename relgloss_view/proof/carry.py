@@ -17,18 +17,16 @@ from typing import Any
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.display.display import Display
 from relgloss_view.display.kept_file import keep_file
-from relgloss_view.material.files import save_material
 from relgloss_view.material.lamp_file import lamp_text
-from relgloss_view.material.material import Material
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.scene_file import DISPLAY_FILES, SceneFile, read_scene_file
 from relgloss_view.picture.scene.scene_writer import write_scene_file
 from relgloss_view.picture.scene.setup import Setup
+from relgloss_view.proof.carry_pack import MATERIALS, carried_mesh, carried_pack, put_material
 
 SCENE = "scene.toml"
-MATERIALS = "materials"
 TEXTS = (".toml", ".json", ".csv")  #: files that are text in a proof's JSON
 #: Media types of the others.
 TYPES = {
@@ -107,13 +105,6 @@ def size_of(file: Mapping[str, str]) -> int:
     return len(file.get("base64", "")) or len(file.get("text", "").encode("utf-8"))
 
 
-def put_material(material: Material, folder: Path, stem: str) -> str:
-    """Write a material among the files; its path."""
-    file = folder / MATERIALS / f"{stem}.json"
-    save_material(material, file)
-    return str(file)
-
-
 def _sample(
     sample: Sample,
     folder: Path,
@@ -124,8 +115,6 @@ def _sample(
 ) -> Sample:
     """A sample whose files are in the folder. One in another colour has it as its own."""
     if sample.pack is not None:
-        from relgloss_view.proof.carried import carried_pack
-
         pack, more = carried_pack(sample.pack, folder, side, artwork_px, progress)
         notes += more
         return Sample.of_pack(pack)
@@ -157,8 +146,6 @@ def _shape(shape: Shape, folder: Path, stem: str) -> Shape:
     """A shape whose mesh file is in the folder."""
     if not shape.file:
         return shape
-    from relgloss_view.proof.carried import carried_mesh
-
     return dataclasses.replace(shape, file=carried_mesh(shape.file, folder, stem))
 
 

@@ -11,9 +11,9 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.words import listed
 from relgloss_view.proof.content import drawing_within
-from relgloss_view.proof.grid import Comparison, compare
+from relgloss_view.proof.grid import LARGEST_DE2000, MISSED_SHARE, Comparison, compare
 from relgloss_view.proof.keys import Signed, checked
-from relgloss_view.proof.meter import meter_of
+from relgloss_view.proof.meter import are_close, are_same_finishes, finishes_of, meter_of
 from relgloss_view.proof.page.parts import Page
 from relgloss_view.proof.page.whole import PROGRAM, page_of
 from relgloss_view.proof.pair import Pair
@@ -24,9 +24,6 @@ from relgloss_view.proof.settings import SIDES
 from relgloss_view.proof.unpack import Opened, opened
 from relgloss_view.quality.backends import FrameRenderer
 
-#: dE2000 that no eye sees, and above what float32 does to the same picture on two machines.
-LARGEST_DE = 0.3
-MISSED = 0.01  #: share of the grid's points that may lie on the other side of a silhouette
 #: Parts of a page that are this program's own.
 OWN = ("head", "style", "static", "words", "script", "shaders")
 
@@ -149,19 +146,23 @@ def _drawn(found: Checked, proof: Proof, one: Opened, renderer: FrameRenderer) -
         faults.append(
             "the page's numbers: not those that its own files give; open it with `relgloss view`"
         )
-    if found.is_own_version and not _same_readings(content.get("meter"), meter_of(own)):
+    meter = meter_of(own)
+    if found.is_own_version and not (
+        _same_readings(content.get("meter"), meter)
+        and are_same_finishes(content.get("meter_finishes"), finishes_of(own), meter)
+    ):
         faults.append("the gloss meter's readings: not those of the materials that are inside")
     return dataclasses.replace(found, drawn=drawn, drawing=same, faults=tuple(faults))
 
 
 def _faults_of(side: str, one: Comparison) -> list[str]:
     faults = []
-    if not one.largest <= LARGEST_DE:  # what is no number is no small difference
+    if not one.largest <= LARGEST_DE2000:  # what is no number is no small difference
         faults.append(
             f"the {side} picture: drawn here it differs by up to {one.largest:.2g} dE2000 from "
-            f"what was sent (at most {LARGEST_DE})"
+            f"what was sent (at most {LARGEST_DE2000})"
         )
-    if one.missed > MISSED * (one.points + one.missed) or not one.points:
+    if one.missed > MISSED_SHARE * (one.points + one.missed) or not one.points:
         faults.append(f"the {side} picture: drawn here the object has another outline or size")
     return faults
 
@@ -176,10 +177,7 @@ def _same_readings(kept: object, own: Mapping[str, Mapping[str, Any]]) -> bool:
         }:
             return False
         for side in SIDES:
-            before, now = kept[key].get(side), entry[side]
-            if (before is None) != (now is None):
-                return False
-            if before is not None and abs(before - now) > 10.0 ** -entry["decimals"]:
+            if not are_close(kept[key].get(side), entry[side], entry["decimals"]):
                 return False
     return True
 
@@ -195,7 +193,9 @@ def sentences(found: Checked) -> list[str]:
     count = len(found.proof.messages)
     lines = [
         f"whole: nothing was changed since it was made (digest {found.proof.digest})",
-        f"thread: {count} message{'' if count == 1 else 's'}, each names the one before",
+        "thread: 1 message"
+        if count == 1
+        else f"thread: {count} messages, each names the one before",
     ]
     lines += [f"message {s.message + 1}: {s.words}" for s in found.signatures if s.is_right]
     if not found.proof.signatures:

@@ -24,12 +24,11 @@ from relgloss_view.proof.grid import grid_of
 from relgloss_view.proof.meter import finishes_of, meter_of
 from relgloss_view.proof.pair import Pair
 from relgloss_view.proof.pictures import stored
+from relgloss_view.proof.proof import ARTWORK_PX, MOST_TITLE
 from relgloss_view.proof.settings import SIDES, Settings
 from relgloss_view.quality.backends import FrameRenderer
 
 SIZE = (512, 512)  #: of the stored pictures and the check
-ARTWORK_PX = 2048  #: of the longer side of an artwork, at most
-LONGEST_TITLE = 120  #: characters
 
 
 @dataclass(frozen=True)
@@ -81,7 +80,8 @@ def content_of(
         coded, quality = stored({side: one.rgb for side, one in pictures.items()})
         progress(0.7, "reading gloss")
         content: dict[str, Any] = {
-            "title": title or printable(pair.scenes["test"].name, LONGEST_TITLE),
+            "title": title or printable(pair.scenes["test"].name, MOST_TITLE),
+            "names": {side: printable(pair.scenes[side].name, MOST_TITLE) for side in SIDES},
             "size_px": list(size),
             "files": files_of(folder),
             "meter": meter_of(pair),
@@ -112,19 +112,25 @@ def display_words(display: Display) -> dict[str, Any]:
             "reflected_cd_m2",
         )
     }  # fmt: skip
-    light = f"{record.luminance_cd_m2:.3g} cd/m2" if record.luminance_known else "not known"
-    dark = f"{record.black_cd_m2:.3g} cd/m2" if record.black_known else "not known"
-    sentences = [
-        f"Its white has {light}." if record.luminance_known else "Its luminance is not known.",
-        f"Its black has {dark}." if record.black_known else "Its black is not known.",
-    ]
+    sentences = []
+    unknown = []
+    for name, known, value in (
+        ("white", record.luminance_known, record.luminance_cd_m2),
+        ("black", record.black_known, record.black_cd_m2),
+    ):
+        if known:
+            sentences.append(f"Its {name} has {value:.3g} cd/m2.")
+        else:
+            unknown.append(name)
+    if unknown:
+        sentences.append(f"Nobody measured the luminance of its {' and '.join(unknown)}.")
     if record.reflected_cd_m2:
         sentences.append(f"The screen reflects {record.reflected_cd_m2:.3g} cd/m2 of the room.")
     return {
         **values,
         "white_xy": list(record.white_xy),
         "primaries_xy": [list(xy) for xy in record.primaries_xy],
-        "words": f"{record.name}, white {light}, black {dark}",
+        "words": record.name,
         "sentences": sentences,
     }
 

@@ -15,8 +15,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any, cast
 
-import numpy as np
-
 from relgloss_view.base.errors import InputError
 from relgloss_view.display.display import Display
 from relgloss_view.material.spectra import illuminant
@@ -40,6 +38,8 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import FurtherLamp
 from relgloss_view.proof.arrays import packed
+from relgloss_view.proof.pack_drawing import pack_drawing, share_meshes
+from relgloss_view.proof.uniform_numbers import uniform_numbers
 
 #: Lamps that a page offers beside the scene's own.
 LAMPS = ("HP5", "D65", "D50", "A", "FL2", "FL11")
@@ -57,8 +57,6 @@ STAGES = (
 )
 SMOOTH_STAGES = ("coverage.frag", "edge.frag")
 GRAIN_STAGES = ("grain_field.frag",)
-#: Of colours that are drawn band by band, which no page does.
-OF_BANDS = ("band_weights", "band_reflectance")
 #: Libraries that are included only where a constant of pass 1 is not 0.
 OPTIONAL = {"finishes.glsl": "FINISHES", "ambient.glsl": "AMBIENT", "lamp_size.glsl": "LAMP_SIZE"}
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"', re.M)
@@ -100,8 +98,6 @@ def drawing_of(
     stages = [*STAGES, *(SMOOTH_STAGES if first.display.edges == "smooth" else ())]
     drawn = {side: _side(scene, look, offered) for side, (scene, look) in scenes.items()}
     if any("surface" in side for side in drawn.values()):
-        from relgloss_view.proof.pack_drawing import share_meshes
-
         share_meshes(drawn)
     if any(look.grain == "eye" for _, look in scenes.values()):
         stages += GRAIN_STAGES
@@ -113,6 +109,7 @@ def drawing_of(
         "display": _display(first),
         "lamps": offered,
         "stages": stages,
+        "one_form": len({scene.shape for scene, _ in scenes.values()}) == 1,
         "sides": drawn,
     }
 
@@ -182,7 +179,6 @@ def _side(scene: Scene, look: Look, lamps: Iterable[str]) -> dict[str, Any]:
     visible = [lobe.s for material in scene.materials for lobe in material.visible_lobes()]
     ambient = ambient_uniforms(scene, look, EXACT)
     side: dict[str, Any] = {
-        "name": scene.name,
         "shape": {
             "kind": scene.shape.kind,
             "analytic": scene.shape.kind in ANALYTIC,
@@ -210,17 +206,14 @@ def _side(scene: Scene, look: Look, lamps: Iterable[str]) -> dict[str, Any]:
         "own_sigma_n_deg": [],
         "narrowest_s": min(visible) if visible else None,
         "variants": _variants(scene, look),
-        "whites": {name: _numbers(illuminant(name).white_xyz()) for name in lamps},
         "albedo_rows": packed(ambient["albedo_rows"]) if ambient else None,
     }
     if scene.pack is None:
-        side["material"] = _uniforms(material_uniforms(scene, look, EXACT))
+        side["material"] = uniform_numbers(material_uniforms(scene, look, EXACT))
         side["colours"] = {
-            name: _uniforms(colour_uniforms(one, EXACT)) for name, one in lit.items()
+            name: uniform_numbers(colour_uniforms(one, EXACT)) for name, one in lit.items()
         }
     if scene.pack is not None or scene.shape.kind not in ANALYTIC:
-        from relgloss_view.proof.pack_drawing import pack_drawing
-
         side = merged(side, pack_drawing(scene, look, tuple(lamps)))
     return side
 
@@ -250,7 +243,6 @@ def _variants(scene: Scene, look: Look) -> dict[str, Any]:
             tried = look.with_entries(sigma_n_deg=sigma_n_deg)
             variant = Variant.of(scene, tried, samples)
             variants[f"{grain} {count}"] = {
-                "writes": variant.writes,
                 "targets": list(variant.targets),
                 "splits": variant.splits,
                 "surface": variant.surface,
@@ -272,26 +264,10 @@ def _display(scene: Scene) -> dict[str, Any]:
     return {
         "edges": display.edges,
         "pixel_arcmin": display.pixel_arcmin,
-        "pixel_pitch_mm": display.pixel_pitch_mm,
-        "viewing_distance_m": display.viewing_distance_m,
-        "background_lstar": display.background_lstar,
-        "uniforms": _uniforms(display_uniforms(scene, uploads)),
+        "uniforms": uniform_numbers(display_uniforms(scene, uploads)),
         "tone": {
             "one": tone_defines(display, "tone.frag", 1),
             "several": tone_defines(display, "tone.frag", 2),
         },
         "edge": tone_defines(display, "edge.frag", 1),
     }
-
-
-def _uniforms(uniforms: Mapping[str, Any]) -> dict[str, Any]:
-    """Uniforms as JSON: a number, or a flat list, matrices column by column."""
-    return {
-        name: float(value) if np.ndim(value) == 0 else _numbers(value)
-        for name, value in uniforms.items()
-        if name not in OF_BANDS
-    }
-
-
-def _numbers(values: Any) -> list[float]:
-    return [float(value) for value in np.ravel(np.asarray(values, dtype=np.float64))]

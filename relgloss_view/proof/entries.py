@@ -14,12 +14,14 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import number, refuse, text
 from relgloss_view.proof.settings import SIDES
 
+MOST_FILES, LONGEST_FILE_NAME = 64, 80  #: and characters of each name
 MOST_PX, MOST_PIXELS = 16384, 2048 * 2048  #: of a side, and of a picture
 MOST_PICTURE = 8_000_000  #: characters of a stored picture's base64
 MEDIA = ("image/webp", "image/png")
 MOST_POINTS = 64  #: columns and rows of the check grid
 MOST_LAB = 1000.0  #: of L*, a*, b*, beyond any picture's
 MOST_READINGS, MOST_DECIMALS, MOST_READING = 100, 6, 1e6
+MOST_FINISHES = 100
 MOST_LINES, MOST_LINE = 100, 20_000  #: texts of a page, and characters of one
 LIGHTS = ("luminance_cd_m2", "black_cd_m2", "reflected_cd_m2")
 MOST_LIGHT = 1e6
@@ -42,6 +44,7 @@ def check_entries(content: Mapping[str, Any]) -> None:
     for side, name in _table(content.get("names", {}), "content.names").items():
         _check_line(name, f"content.names.{side[:40]}")
     _check_meter(content.get("meter"))
+    _check_finishes(content.get("meter_finishes"))
     _check_display(content.get("display"))
 
 
@@ -98,6 +101,25 @@ def _check_meter(meter: object) -> None:
                 number(entry[side], f"{place}.{side}", "a reading", -MOST_READING, MOST_READING)
 
 
+def _check_finishes(finishes: object) -> None:
+    """The readings of each finish of a pack."""
+    if finishes is None:
+        return
+    if not isinstance(finishes, list) or len(finishes) > MOST_FINISHES:
+        refuse("content.meter_finishes", f"at most {MOST_FINISHES} finishes", finishes)
+    for k, one in enumerate(finishes):
+        place = f"content.meter_finishes[{k}]"
+        entry = _table(one, place)
+        _check_line(entry.get("finish"), f"{place}.finish")
+        readings = _table(entry.get("readings"), f"{place}.readings")
+        if len(readings) > MOST_READINGS:
+            refuse(f"{place}.readings", f"at most {MOST_READINGS} readings", len(readings))
+        for key, value in readings.items():
+            if value is not None:
+                where = f"{place}.readings[{key[:40]!r}]"
+                number(value, where, "a reading", -MOST_READING, MOST_READING)
+
+
 def _check_display(display: object) -> None:
     if display is None:
         return
@@ -108,7 +130,7 @@ def _check_display(display: object) -> None:
     sentences = entry.get("sentences", [])
     if not isinstance(sentences, list) or len(sentences) > MOST_LINES:
         refuse("content.display.sentences", f"at most {MOST_LINES} texts", sentences)
-    for line in (entry.get("words", ""), *sentences):
+    for line in (entry.get("name", ""), entry.get("words", ""), *sentences):
         _check_line(line, "content.display")
 
 

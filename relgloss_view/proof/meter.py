@@ -11,6 +11,8 @@ from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.proof.pair import Pair
 
 DIGITS = 6  #: decimals of a kept value; a meter shows one
+#: Of `gloss_readings`: what people see and no meter reads. Its names are those of the sliders.
+SEEN = ("contrast-gloss", "distinctness")
 
 
 def meter_of(pair: Pair) -> dict[str, dict[str, Any]]:
@@ -56,6 +58,38 @@ def finishes_of(pair: Pair) -> list[dict[str, Any]]:
     ]
 
 
+def are_close(kept: float | None, own: float | None, decimals: int) -> bool:
+    """Whether two readings are the same on an instrument that shows so many decimals.
+
+    >>> are_close(1.01, 1.0, 1), are_close(1.2, 1.0, 1), are_close(None, 1.0, 1)
+    (True, False, False)
+    """
+    if kept is None or own is None:
+        return kept is own
+    return abs(kept - own) <= 10.0**-decimals
+
+
+def are_same_finishes(
+    kept: Any, own: list[dict[str, Any]], meter: dict[str, dict[str, Any]]
+) -> bool:
+    """Whether the finishes of a proof are named as its pack's own and read the same.
+
+    kept: `meter_finishes` of a content, within the bounds of entries.py. own: of finishes_of.
+    """
+    entries = kept or []
+    if len(entries) != len(own):
+        return False
+    for one, other in zip(entries, own, strict=True):
+        if any(one.get(name) != other[name] for name in other if name != "readings"):
+            return False
+        if set(one["readings"]) != set(other["readings"]):
+            return False
+        for key, value in other["readings"].items():
+            if not are_close(one["readings"][key], value, meter[key]["decimals"]):
+                return False
+    return True
+
+
 def _judged(scene: Scene) -> Material:
     from relgloss_view.gloss.samples import SampleLook
     from relgloss_view.picture.scene.look import Look
@@ -64,7 +98,8 @@ def _judged(scene: Scene) -> Material:
 
 
 def _by_key(material: Material) -> dict[str, Reading]:
-    return {reading.key: reading for reading in gloss_readings(material)}
+    """An instrument's readings, by key."""
+    return {one.key: one for one in gloss_readings(material) if one.key not in SEEN}
 
 
 def _kept(value: float | None) -> float | None:

@@ -27,9 +27,8 @@ from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.proof.arrays import packed
 from relgloss_view.proof.layers_drawing import layers_drawing
 from relgloss_view.proof.mesh_drawing import mesh_drawing
+from relgloss_view.proof.uniform_numbers import uniform_numbers
 
-#: Of colours that are drawn band by band, which no page does.
-OF_BANDS = ("band_weights", "band_reflectance")
 MESH_STAGES = ("mesh.frag",)
 MESH_EDGE_STAGES = ("mesh_edge.frag", "mesh_places.frag")
 
@@ -87,7 +86,7 @@ def _printed(pack: Pack, look: Look) -> dict[str, Any]:
         "printed": {
             **layers_drawing(pack, layers),
             "most_levels": MOST_LEVELS,
-            "uniforms": _uniforms(uniforms),
+            "uniforms": uniform_numbers(uniforms),
             "part_table": packed(part_rows(layers, label.printed).astype(np.float32)),
         },
     }
@@ -100,9 +99,9 @@ def _finishes(scene: Scene, pack: Pack, look: Look, lamps: tuple[str, ...]) -> d
         lamp = illuminant(name)
         white = lamp.white_xyz()
         lit = scene.placed(lamp=replace(scene.lamp, illuminant=name))
-        colours[name] = _uniforms(
+        colours[name] = uniform_numbers(
             {
-                **{n: v for n, v in colour_uniforms(lit, EXACT).items() if n not in OF_BANDS},
+                **colour_uniforms(lit, EXACT),
                 "paint_matrix": paint_matrix(pack.colour, lamp).T,  # columns first
                 "lamp_xyz": white,
                 "per_white": 1.0 / white,
@@ -115,14 +114,6 @@ def _finishes(scene: Scene, pack: Pack, look: Look, lamps: tuple[str, ...]) -> d
             name: finish_tables(pack, look, EXACT, name, blurred=False) for name in lamps
         },
         # No finish reads the base's numbers, but linkers of browsers keep their uniforms.
-        "material": _uniforms({**material_uniforms(scene, look, EXACT), **RGB_OF_PAINT}),
+        "material": uniform_numbers({**material_uniforms(scene, look, EXACT), **RGB_OF_PAINT}),
         "colours": colours,
-    }
-
-
-def _uniforms(uniforms: dict[str, Any]) -> dict[str, Any]:
-    """Uniforms as JSON: a number, or a flat list, matrices column by column."""
-    return {
-        name: float(value) if np.ndim(value) == 0 else np.ravel(np.asarray(value, float)).tolist()
-        for name, value in uniforms.items()
     }

@@ -10,6 +10,7 @@ from relgloss_view.base.arrays import Bytes, Floats, Mask
 from relgloss_view.base.errors import InputError
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.frame import Frame
+from relgloss_view.picture.model.view import at_one_scale
 from relgloss_view.picture.pair import common_factor
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.scene import Scene
@@ -94,20 +95,29 @@ class Pair:
             looks[name] = self.looks[name].at(Setting(own.sigma_n_deg, c=own.c))
         return Pair(scenes, looks)
 
+    def framed(self, size: tuple[int, int]) -> Pair:
+        """The pair as it is seen in pictures of a size: both objects at one scale."""
+        shapes = [scene.shape for scene in self.scenes.values()]
+        eyes = {name: at_one_scale(shapes, one.eye, size) for name, one in self.scenes.items()}
+        scenes = {name: one.placed(eye=eyes[name]) for name, one in self.scenes.items()}
+        return Pair(scenes, self.looks)
+
     def factor(self, renderer: FrameRenderer, size: tuple[int, int]) -> float:
         """The common factor of both c in this view."""
         contrasts = []
+        scenes = self.framed(size).scenes
         for name in SIDES:
-            frame = renderer.render(self.scenes[name], self.looks[name], size)
+            frame = renderer.render(scenes[name], self.looks[name], size)
             contrasts.append((frame.c, frame.c_max))
         return common_factor(contrasts)
 
     def drawn(self, renderer: FrameRenderer, size: tuple[int, int]) -> dict[str, Drawn]:
-        """Both pictures, scaled by the pair's common factor."""
+        """Both pictures, at one scale and with the pair's common factor."""
         factor = self.factor(renderer, size)
+        scenes = self.framed(size).scenes
         pictures = {}
         for name in SIDES:
-            frame = renderer.render(self.scenes[name], self.looks[name], size, factor=factor)
+            frame = renderer.render(scenes[name], self.looks[name], size, factor=factor)
             pictures[name] = Drawn.of(frame)
         return pictures
 

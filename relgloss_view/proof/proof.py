@@ -14,7 +14,7 @@ import hashlib
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from datetime import datetime
+from datetime import UTC, datetime
 from functools import cached_property
 from typing import Any
 
@@ -24,6 +24,8 @@ from relgloss_view.proof.settings import Settings
 
 FORMAT, VERSION = "relgloss-proof", 1
 MOST_NOTE, MOST_AUTHOR, MOST_PROGRAM = 20_000, 200, 100  #: characters
+MOST_TITLE = 200  #: characters, of the content
+ARTWORK_PX = 2048  #: of the longer side of an artwork that goes along, unless asked otherwise
 MOST_MESSAGES = 500
 MOST_SCREEN_BYTES = 20_000  #: of its canonical JSON
 TIME = "%Y-%m-%dT%H:%M:%SZ"
@@ -83,6 +85,11 @@ class Message:
 TEXTS = {"note": MOST_NOTE, "author": MOST_AUTHOR, "made": 20, "program": MOST_PROGRAM} | {
     "parent": 64
 }
+
+
+def present_time() -> str:
+    """The time now, as a message's `made` holds it."""
+    return datetime.now(UTC).strftime(TIME)
 
 
 def _is_time(made: str) -> bool:

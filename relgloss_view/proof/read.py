@@ -10,26 +10,25 @@ from typing import Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import named, read_beginning, read_bytes, refuse, text
 from relgloss_view.base.words import listed
-from relgloss_view.proof.entries import check_entries
+from relgloss_view.proof.entries import LONGEST_FILE_NAME, MOST_FILES, check_entries
 from relgloss_view.proof.page.parts import MARK, SEAL, Page
 from relgloss_view.proof.proof import (
     FORMAT,
     MOST_MESSAGES,
+    MOST_TITLE,
     VERSION,
     Message,
     Proof,
     Signature,
     canonical,
 )
+from relgloss_view.proof.settings import SIDES
 
 EXPECTED = "a proof (HTML, from `relgloss proof make`)"
 MAX_BYTES = 64 * 1024 * 1024
 HEAD_BYTES = 2048  #: within which a proof is marked as one
-MOST_TITLE = 200  #: characters
-MOST_FILES, MOST_NAME = 1000, 200
 MOST_NAMED = 6  #: changed parts that a message lists
 AGAIN = "ask the sender for the file again, and send it as an attachment or in a ZIP"
-SIDES = ("reference", "test")
 #: What has to be in content, and its kind.
 CONTENT: dict[str, type[Any]] = {
     "title": str,
@@ -205,7 +204,7 @@ def _check_file(name: str, value: object) -> None:
     place = f"content.files[{name[:60]!r}]"
     steps = name.split("/")
     if (
-        len(name) > MOST_NAME
+        len(name) > LONGEST_FILE_NAME
         or not _FILE_NAME.fullmatch(text(name, place))
         or any(step in (".", "..") for step in steps)
         or ":" in steps[0]

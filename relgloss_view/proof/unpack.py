@@ -7,30 +7,33 @@ and there is no more of it than any program would write.
 from __future__ import annotations
 
 import base64
+import contextlib
 import dataclasses
+import os
 import re
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.reading import printable
+from relgloss_view.base.reading import named, printable
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.toml import parse_toml
 from relgloss_view.base.writing import whole_folder
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.scene_file import SceneFile, read_scene_file
+from relgloss_view.picture.scene.scene_writer import write_scene_file
 from relgloss_view.proof.carry import SCENE, TEXTS, TYPES
+from relgloss_view.proof.entries import LONGEST_FILE_NAME, MOST_FILES
 from relgloss_view.proof.pair import Pair
 from relgloss_view.proof.proof import Proof
+from relgloss_view.proof.read import read_proof
 from relgloss_view.proof.settings import Settings
 
-MOST_FILES = 64
 MOST_BYTES = 64 << 20  #: of all files together
-LONGEST_NAME = 80
 _PART = r"[a-z0-9][a-z0-9_-]{0,40}"
 #: Lower case alone, so that no file system takes two names for one; no dot but that of the suffix.
 _NAME = re.compile(rf"(?:{_PART}/)?{_PART}\.[a-z]{{2,4}}")
@@ -87,22 +90,45 @@ class Opened:
         )
 
 
+def answer_scene(message: int) -> str:
+    """The name of the scene with a message's settings; messages are counted from 1.
+
+    >>> answer_scene(2)
+    'message-2.toml'
+    """
+    return f"message-{message}.toml"
+
+
 def unpacked(
-    proof: Proof, folder: str | Path, *, progress: ProgressReport = no_progress
+    proof: Proof,
+    folder: str | Path,
+    *,
+    answers: bool = False,
+    progress: ProgressReport = no_progress,
 ) -> SceneFile:
     """Write a proof's files into a new or an existing folder, whole or not at all; their scene.
 
-    Raises InputError where a name leads out of the folder, a file names one outside, there is too
-    much, or the files hold no pair.
+    answers: beside scene.toml, which has the first message's settings, a scene of each answer
+    (`answer_scene`). Raises InputError where a name leads out of the folder, a file names one
+    outside, there is too much, or the files hold no pair.
     """
     contents = contents_of(proof.content.get("files"))
     target = Path(folder)
+    for inner in sorted({name.partition("/")[0] for name in contents if "/" in name}):
+        if (target / inner).exists():  # files take the place of files, folders do not
+            raise InputError(
+                f"{named(target)}: holds {named(inner)} of another proof; choose a new folder"
+            )
     with whole_folder(target, SCENE) as staged:
         for name, data in contents.items():
             file = staged / name
             file.parent.mkdir(exist_ok=True)
             file.write_bytes(data)
-        _checked(read_scene_file(staged / SCENE, progress=progress))
+        read = _checked(read_scene_file(staged / SCENE, progress=progress))
+        one = Opened(proof, staged, read)
+        for k, message in enumerate(proof.messages[1:] if answers else (), 2):
+            if answer_scene(k) not in contents:
+                write_scene_file(staged / answer_scene(k), one.scene_at(message.settings))
     return _checked(read_scene_file(target / SCENE))
 
 
@@ -123,10 +149,25 @@ def opened(proof: Proof, *, progress: ProgressReport = no_progress) -> Iterator[
 
 
 @contextmanager
-def scene_of(proof: Proof, settings: Settings | None = None) -> Iterator[Pair]:
-    """The pair of a proof at settings, those of the newest message by default, for a block."""
-    with opened(proof) as one:
-        yield one.pair(settings)
+def open_proof(
+    path: str | os.PathLike[str], *, progress: ProgressReport = no_progress
+) -> Iterator[Opened]:
+    """A proof's file, unpacked into a temporary folder for the length of a block.
+
+    `opened.proof` is what `read_proof` gives. `opened.pair()` has the scenes and looks of the
+    newest message, `opened.pair(opened.proof.messages[0].settings)` those of the first one, and
+    `opened.pair().drawn(renderer, size)` both pictures as the page draws them, scaled alike.
+
+    Raises InputError, one line that names the file, where anything of it was changed since it was
+    made, or its files hold no pair.
+    """
+    proof = read_proof(path)
+    with contextlib.ExitStack() as stack:
+        try:
+            one = stack.enter_context(opened(proof, progress=progress))
+        except InputError as error:
+            raise InputError(f"{named(path)}: {error}") from error
+        yield one
 
 
 def contents_of(files: object) -> dict[str, bytes]:
@@ -156,7 +197,7 @@ def check_name(name: object) -> None:
     """InputError for a file's name that this program would not write."""
     if (
         not isinstance(name, str)
-        or len(name) > LONGEST_NAME
+        or len(name) > LONGEST_FILE_NAME
         or not _NAME.fullmatch(name)
         or _DEVICES.search(name)
         or _DEVICES.match(name.rpartition("/")[2])
@@ -231,9 +272,3 @@ def _checked(scene: SceneFile) -> SceneFile:
 
 def _refuse(name: str, expected: str) -> NoReturn:
     raise InputError(f"the proof's file {printable(name, 60)!r}: expected {expected}")
-
-
-def scene_text(proof: Proof) -> str:
-    """The scene file of a proof as text; '' where it has none."""
-    file: Any = proof.content.get("files", {}).get(SCENE, {})
-    return str(file.get("text", "")) if isinstance(file, Mapping) else ""

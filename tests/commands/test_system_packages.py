@@ -106,3 +106,13 @@ def test_the_python_that_make_uses_is_asked(tmp_path):
     assert makefile.count("scripts/system-packages ") == makefile.count(
         'PYTHON="$(PYTHON)" scripts'
     )
+
+
+def test_the_font_of_the_page_is_for_tests(tmp_path):
+    font = tmp_path / "fonts" / "truetype" / "dejavu" / "DejaVuSans.ttf"
+    assert "fonts-dejavu-core" in asked_for(tmp_path, "test", apt_knows=True)
+    assert "fonts-dejavu-core" not in asked_for(tmp_path, "demo", apt_knows=True)
+    font.parent.mkdir(parents=True)
+    font.touch()
+    packages = asked_for(tmp_path, "test", apt_knows=True, fonts=tmp_path / "fonts")
+    assert "fonts-dejavu-core" not in packages

@@ -19,6 +19,9 @@ from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setup import Eye, Lamp
 
+#: Form and width of the lobe, degrees, in the fast suite; all of them are in the slow one.
+LOBES = (("cylinder", 0.05), ("sphere", 0.1), ("plane", 0.3))
+
 
 class TestScenes:
     def test_c_max_keeps_every_pixel_displayable(self, renderer):
@@ -82,8 +85,14 @@ class TestScenes:
             assert not np.any(frame.on_object)
             assert "nothing of the object" in frame.warnings[-1]
 
-    @pytest.mark.parametrize("s_deg", [0.05, 0.1, 0.3])
-    @pytest.mark.parametrize("kind", ["cylinder", "sphere", "plane"])
+    @pytest.mark.parametrize(
+        ("kind", "s_deg"),
+        [
+            pytest.param(kind, s_deg, marks=() if (kind, s_deg) in LOBES else pytest.mark.slow)
+            for kind in ("cylinder", "sphere", "plane")
+            for s_deg in (0.05, 0.1, 0.3)
+        ],
+    )
     def test_a_lobe_under_a_pixel_keeps_its_energy(self, renderer, s_deg, kind):
         """The samples chosen against four times as many a side: within 2 %."""
         lamp = Lamp(azimuth_deg=0.0 if kind == "plane" else 50.0, distance_m=1.0)

@@ -40,6 +40,7 @@ KEEPER = Path(__file__).with_name("keeper.py")
 TRIES = 3  #: to start a driver
 LONGEST_S = 120.0  #: of one call, on a loaded machine
 SCREEN = "1600x1200x24"
+WINDOW = "500,400"  #: Chromium's narrowest, so that pages draw few pixels; `emulate` for others
 PACKAGES = {
     "chromium": "chromium",
     "chromedriver": "chromium-driver",
@@ -59,6 +60,7 @@ FLAGS = (
     "--disable-renderer-backgrounding",
     "--disable-background-timer-throttling",
     "--force-color-profile=srgb",
+    f"--window-size={WINDOW}",
     f"--host-resolver-rules=MAP {ELSEWHERE} 127.0.0.1",
 )
 GL = ("--use-gl=angle", "--use-angle=gl", "--ignore-gpu-blocklist")  #: on llvmpipe, under Xvfb

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import other_engines
 import pytest
-from browsers import GL, SWIFTSHADER, Browser, as_before, chromium, screen
+from browsers import GL, SWIFTSHADER, Browser, as_before, chromium, open_page, screen
 from opened_proofs import paper_proof
+from page_samples import sample_page
 
 from relgloss_view.proof.proof import Proof
 
@@ -64,3 +66,10 @@ def _browsers_as_before() -> Iterator[None]:
     yield
     for browser in _started:
         as_before(browser)
+
+
+@pytest.fixture
+def sample_in_page(chromium_gl: Browser, tmp_path: Path) -> Browser:
+    """Chromium with a small proof opened and drawn."""
+    open_page(chromium_gl, sample_page(tmp_path / "proof.html"))
+    return chromium_gl

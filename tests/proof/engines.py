@@ -12,6 +12,7 @@ from browsers import Browser, call, call_array, open_page
 
 from relgloss_view import Look, Scene
 from relgloss_view.picture.method import EXACT
+from relgloss_view.picture.model.view import at_one_scale
 from relgloss_view.picture.pair import common_factor
 from relgloss_view.proof.drawing import drawing_of, page_display, shaders_of
 from relgloss_view.proof.page.build import bundle
@@ -80,12 +81,13 @@ def desktop(
 ) -> tuple[float, dict[str, Any]]:
     """What the window draws for the page's display: the common factor, and frames by side."""
     asked = {}
+    eye = at_one_scale([scene.shape for scene, _ in sides.values()], settings.eye, size)
     for side, (scene, look) in sides.items():
         setting = settings.side(side)
         entries = dataclasses.asdict(settings.lamp)
         placed = scene.placed(
             display=page_display(scene.display),
-            eye=settings.eye,
+            eye=eye,
             lamp=dataclasses.replace(scene.lamp, **entries),
         )
         asked[side] = (

@@ -7,6 +7,7 @@ Both draw on the machine's OpenGL, llvmpipe.
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import itertools
 import json
@@ -14,7 +15,7 @@ import os
 import socket
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -52,9 +53,10 @@ PREFERENCES: dict[str, bool | int | str] = {
 
 @dataclass
 class Firefox:
-    """A running Firefox with one tab."""
+    """A running Firefox with one tab. What it saves lands in `saved`."""
 
     wire: websocket.WebSocket
+    saved: Path
     tab: str = ""
     address: str = "about:blank"
     events: list[dict[str, Any]] = field(default_factory=list)
@@ -80,6 +82,31 @@ class Firefox:
         self.command(
             "browsingContext.navigate", context=self.tab, url=self.address, wait="complete"
         )
+
+    def resize(self, width: int, height: int) -> None:
+        """The page's size, CSS pixels."""
+        size = {"width": width, "height": height}
+        self.command("browsingContext.setViewport", context=self.tab, viewport=size)
+
+    def screenshot(self) -> bytes:
+        """What is seen of the page, as a PNG."""
+        shot = self.command("browsingContext.captureScreenshot", context=self.tab)
+        return base64.b64decode(shot["data"])
+
+    @contextlib.contextmanager
+    def before_pages(self, script: str) -> Iterator[None]:
+        """Run JavaScript before any of a page's own, in pages opened within the block."""
+        function = f"() => {{ {script} }}"
+        made = self.command("script.addPreloadScript", functionDeclaration=function)
+        try:
+            yield
+        finally:
+            self.command("script.removePreloadScript", script=made["script"])
+
+    def act(self, kind: str, *actions: dict[str, Any]) -> None:
+        """Actions of one "key" or "pointer", as WebDriver names them."""
+        source = {"type": kind, "id": kind, "actions": actions}
+        self.command("input.performActions", context=self.tab, actions=[source])
 
     def call(self, function: str, *arguments: Any) -> Any:
         """Call a JavaScript function with JSON arguments, and wait for what it promises."""
@@ -119,13 +146,30 @@ OWN = ("data:", "blob:", "about:")
 
 @dataclass
 class WebKit:
-    """A running MiniBrowser of WebKitGTK. It has no log of its network to read."""
+    """A running MiniBrowser of WebKitGTK. It has no log of its network to read.
+
+    What it saves lands in `saved`.
+    """
 
     driver: webdriver.Remote
+    saved: Path
 
     def open(self, path: Path) -> None:
         """Open a file."""
         self.driver.get(path.resolve().as_uri())
+
+    def resize(self, width: int, height: int) -> None:
+        """The window's size, CSS pixels; it is never below 447 wide."""
+        self.driver.set_window_size(width, height)
+
+    def screenshot(self) -> bytes:
+        """What is seen of the page, as a PNG."""
+        return self.driver.get_screenshot_as_png()
+
+    def act(self, kind: str, *actions: dict[str, Any]) -> None:
+        """Actions of one "key" or "pointer", as WebDriver names them."""
+        source: dict[str, Any] = {"type": kind, "id": kind, "actions": actions}
+        self.driver.execute("actions", {"actions": [source]})
 
     def call(self, function: str, *arguments: Any) -> Any:
         """Call a JavaScript function with JSON arguments, and wait for what it promises."""
@@ -149,15 +193,22 @@ def _environment(display: str, folder: str) -> dict[str, str]:
 
 
 @contextlib.contextmanager
-def firefox(display: str) -> Iterator[Firefox]:
-    """A Firefox with a profile of its own."""
+def firefox(
+    display: str, preferences: Mapping[str, bool | int | str] | None = None
+) -> Iterator[Firefox]:
+    """A Firefox with a profile of its own.
+
+    preferences: beside PREFERENCES; whoever gives some gets one that may have no WebGL.
+    """
     path = program("firefox-esr")
     with tempfile.TemporaryDirectory(
         prefix="relgloss-browser-", ignore_cleanup_errors=True
     ) as name:
-        profile, log = Path(name) / "profile", Path(name) / "log"
+        profile, log, saved = (Path(name) / part for part in ("profile", "log", "saved"))
         profile.mkdir()
-        lines = [f"user_pref({json.dumps(k)}, {json.dumps(v)});\n" for k, v in PREFERENCES.items()]
+        saved.mkdir()
+        wanted = {**PREFERENCES, **(preferences or {})}
+        lines = [f"user_pref({json.dumps(k)}, {json.dumps(v)});\n" for k, v in wanted.items()]
         (profile / "user.js").write_text("".join(lines), encoding="utf-8")
         words = ("--headless", "--no-remote", "--remote-debugging-port", "0", "--profile")
         with (
@@ -177,12 +228,15 @@ def firefox(display: str) -> Iterator[Firefox]:
                 f"{address}/session", timeout=LONGEST_S, suppress_origin=True
             )
             try:
-                found = Firefox(wire)
+                found = Firefox(wire, saved)
                 found.command("session.new", capabilities={})
                 found.tab = found.command("browsingContext.getTree")["contexts"][0]["context"]
                 events = ["network.beforeRequestSent", "log.entryAdded"]
                 found.command("session.subscribe", events=events)
-                _look_at_context(found, "Firefox")
+                where = {"type": "allowed", "destinationFolder": str(saved)}
+                found.command("browser.setDownloadBehavior", downloadBehavior=where)
+                if preferences is None:
+                    _look_at_context(found, "Firefox")
                 yield found
             finally:
                 wire.close()
@@ -200,8 +254,11 @@ def _told(log: Path, process: Any) -> str:
 
 
 @contextlib.contextmanager
-def webkit(display: str) -> Iterator[WebKit]:
-    """A MiniBrowser of WebKitGTK, which keeps nothing."""
+def webkit(display: str, *flags: str) -> Iterator[WebKit]:
+    """A MiniBrowser of WebKitGTK, which keeps nothing.
+
+    flags: whoever gives some gets one that may have no WebGL, or no JavaScript.
+    """
     path = program("WebKitWebDriver")
     binaries = sorted(Path("/usr/lib").glob("*/webkit2gtk-4.*/MiniBrowser"))
     if not binaries:
@@ -212,7 +269,8 @@ def webkit(display: str) -> Iterator[WebKit]:
         )
     options = webdriver.WebKitGTKOptions()
     options.binary_location = str(binaries[-1])
-    options.add_argument("--automation")
+    for flag in ("--automation", *flags):
+        options.add_argument(flag)
     with (
         tempfile.TemporaryDirectory(prefix="relgloss-browser-", ignore_cleanup_errors=True) as name,
         socket.socket() as free,
@@ -226,8 +284,9 @@ def webkit(display: str) -> Iterator[WebKit]:
             driver = webdriver.Remote(RemoteConnection(client_config=config), options=options)
             try:
                 driver.set_script_timeout(LONGEST_S)
-                found = WebKit(driver)
-                _look_at_context(found, "WebKitGTK")
+                found = WebKit(driver, Path(name))
+                if not flags:
+                    _look_at_context(found, "WebKitGTK")
                 yield found
             finally:
                 with contextlib.suppress(WebDriverException, OSError):

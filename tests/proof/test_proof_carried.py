@@ -28,7 +28,7 @@ from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.scene_file import SceneFile
 from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.picture.scene.setup import Setup
-from relgloss_view.proof.carried import SPACES, carried_pack, coded_paint
+from relgloss_view.proof.carry_pack import SPACES, carried_pack, coded_paint
 from relgloss_view.proof.content import Made, content_of
 from relgloss_view.proof.grid import compare
 from relgloss_view.proof.pair import Pair

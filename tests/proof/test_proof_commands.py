@@ -14,6 +14,7 @@ import pytest
 from relgloss_view.base.errors import InputError
 from relgloss_view.cli import main
 from relgloss_view.picture.scene.file_kinds import PROOF, likely_kind
+from relgloss_view.picture.scene.scene_file import read_scene_file
 from relgloss_view.proof import check, keys
 from relgloss_view.proof.page import whole
 from relgloss_view.proof.page.parts import MARK, SEAL, Page, joined, script_json, seal_of, split
@@ -120,7 +121,7 @@ def test_check_draws_again(capsys, file):
     status, out, err = ran(capsys, "proof", "check", file, "--json")
     found = json.loads(out)
     assert status == 1
-    assert found["largest_de2000"] > check.LARGEST_DE
+    assert found["largest_de2000"] > check.LARGEST_DE2000
     assert not found["drawing_is_derived"]
     assert "drawn here it differs by up to" in err
 
@@ -189,7 +190,15 @@ def test_show(capsys, file, proof, tmp_path):
         assert text in out, text
     written = {p.relative_to(tmp_path / "inside").as_posix()
                for p in (tmp_path / "inside").rglob("*") if p.is_file()}  # fmt: skip
-    assert written == set(proof.content["files"])
+    assert written == {*proof.content["files"], "message-2.toml"}
+    for name, message in zip(("scene.toml", "message-2.toml"), proof.messages, strict=True):
+        scene = read_scene_file(tmp_path / "inside" / name)
+        assert scene.look.c == message.settings.test.c, name
+        assert scene.look.sigma_n_deg == message.settings.test.sigma_n_deg, name
+    assert "message-2.toml has those of the newest message" in out
+    status, _, err = ran(capsys, "proof", "show", file, "--files", tmp_path / "inside")
+    assert status == 1
+    assert "holds materials of another proof; choose a new folder" in err
     found = json.loads(ran(capsys, "proof", "show", file, "--json")[1])
     assert found["digest"] == proof.digest
     assert [m["note"] for m in found["messages"]] == ["Genug Glanz?\nSag es.", "Ja"]

@@ -60,7 +60,9 @@ def test_what_a_whole_browser_shows(chromium_gl, html):
 NO_SOFTWARE = ("--disable-gpu", "--disable-software-rasterizer")
 
 
-@pytest.mark.parametrize("flags", [NO_SOFTWARE, ("--disable-3d-apis",)])
+@pytest.mark.parametrize(
+    "flags", [NO_SOFTWARE, pytest.param(("--disable-3d-apis",), marks=pytest.mark.slow)]
+)
 def test_no_webgl(html, flags):
     with chromium("--headless=new", *flags) as browser:
         open_page(browser, html)

@@ -11,6 +11,7 @@ from relgloss_view.cli import main
 from relgloss_view.material.files import save_material
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.proof.grid import compare
+from relgloss_view.proof.proof import MOST_NOTE
 from relgloss_view.proof.read import read_proof
 from relgloss_view.proof.unpack import opened
 from relgloss_view.quality.backends import open_renderer
@@ -92,10 +93,11 @@ def test_a_material_a_scene_and_a_pack_are_told_apart(tmp_path, capsys):
 
 REFUSED = {
     "not .html": (["matte-coated", "-o", "proof.pdf"], "ends in .html"),
-    "no file": (["gone.toml", "-o", "proof.html"], "gone.toml"),
+    "no file": (["gone.toml", "-o", "proof.html"], "gone.toml: there is no such file"),
+    "no name": (["cartoon", "-o", "proof.html"], "uncoated, can, carton"),
     "no folder": (["matte-coated", "-o", "gone/proof.html"], "gone"),
     "dull reference": (["art-coated", "--reference", "dull.json", "-o", "p.html"], "no highlight"),
-    "long note": (["art-coated", "-o", "p.html", "--note", "x" * 4001], "4000"),
+    "long note": (["art-coated", "-o", "p.html", "--note", "x" * (MOST_NOTE + 1)], str(MOST_NOTE)),
     "no key": (["art-coated", "-o", "p.html", "--sign", "gone.pem"], "gone.pem"),
     "no note file": (["art-coated", "-o", "p.html", "--note-file", "gone.txt"], "gone.txt"),
     "no proof": (["other.html", "-o", "p.html", "--note", "x"], "other.html"),
@@ -125,7 +127,11 @@ def test_an_answer_needs_a_note_and_keeps_the_scene(paper, tmp_path, capsys):
     words = ["proof", "make", str(paper), "-o", output, "--note", "x", "--sample", "uncoated"]
     assert main(words) == 1
     assert "keeps the scene" in capsys.readouterr().err
+    # The default of an option that an answer can't follow is no wish; another value is.
+    assert main([*words[:-2], "--size", "100x100"]) == 1
+    assert "--size: an answer keeps the scene" in capsys.readouterr().err
     assert not Path(output).exists()
+    assert main([*words[:-2], "--size", "512x512"]) == 0
 
 
 def test_a_stop_leaves_nothing(tmp_path, monkeypatch):

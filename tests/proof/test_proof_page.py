@@ -21,7 +21,7 @@ def page_file(tmp_path_factory):
 
 @pytest.fixture
 def page(chromium_gl, page_file):
-    emulate(chromium_gl, 1000, 700)
+    emulate(chromium_gl, 640, 480)  # small, as every step draws
     open_page(chromium_gl, page_file)
     yield chromium_gl
     assert requests(chromium_gl) == []
@@ -56,7 +56,7 @@ def whose(browser):
 def test_sliders_move_their_own_picture_and_as_sent_brings_it_back(page, what):
     before = {side: pixels(page, side) for side in ("reference", "test")}
     assert whose(page).startswith("As sent")
-    press(page, f"test-{what}", Keys.ARROW_RIGHT * 20)
+    press(page, f"test-{what}", Keys.ARROW_RIGHT * 8)
     after = {side: pixels(page, side) for side in before}
     assert not np.array_equal(after["test"], before["test"])
     assert np.array_equal(after["reference"], before["reference"])  # the negative control
@@ -155,23 +155,6 @@ def test_the_hand_is_that_of_the_window(page):
                     if not isinstance(expected, float)
                     else pytest.approx(expected, abs=1e-9)
                 ), name
-
-
-def test_zooming_keeps_what_is_under_the_pointer(page):
-    got = call(
-        page,
-        """() => {
-      const {zoomed} = relgloss.hand, eye = relgloss.settings().eye, step = 1e-3;
-      const near = zoomed(eye, 3, [120, 80], [400, 300], step);
-      const back = zoomed(near, -3, [120, 80], [400, 300], step);
-      return {eye, near, back};
-    }""",
-    )
-    step = np.tan(np.radians(got["near"]["field_of_view_deg"]) / 2) / 150
-    assert step == pytest.approx(1e-3 * 1.15**-3)
-    right = got["near"]["shift_right"] + (120 - 200) * step
-    assert right == pytest.approx((120 - 200) * 1e-3)
-    assert got["back"]["shift_right"] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_wipe_and_flip_show_parts_of_both(page):
@@ -285,7 +268,7 @@ def test_an_answer_is_a_file_that_python_reads(page, page_file, tmp_path):
     (tmp_path / "answer.html").write_bytes(html.encode("utf-8"))
     open_page(page, tmp_path / "answer.html")
     assert state(page) == "ready"
-    assert "Message 3 of 3, by Zoë" in whose(page)
+    assert "Message 3 of 3, the newest, by Zoë" in whose(page)
 
 
 def test_the_static_body_of_an_answer_is_that_of_python(page):

@@ -193,7 +193,7 @@ def test_no_request_whatever_is_used(chromium_gl, paper, tmp_path):
     """Opened, everything used, answered, the answer opened: the browser's log stays empty."""
     saves = {"behavior": "allow", "downloadPath": str(tmp_path)}
     chromium_gl.cdp("Browser.setDownloadBehavior", **saves)
-    emulate(chromium_gl, 600, 400)  # small, as every step draws
+    emulate(chromium_gl, 500, 300)  # small, as every step draws
     open_page(chromium_gl, page_of(paper))
     assert call(chromium_gl, USE, 1) > 20
     until(lambda: saved(tmp_path))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import base64
+import re
 from pathlib import Path
 
 import pytest
 
+import relgloss_view
 from relgloss_view.base.errors import InputError
 from relgloss_view.material.files import save_material
 from relgloss_view.picture.scene.look import Look
@@ -15,6 +17,7 @@ from relgloss_view.picture.scene.scene_file import SceneFile, read_scene_file
 from relgloss_view.picture.scene.scene_writer import write_scene_file
 from relgloss_view.picture.scene.setup import Eye, Setup
 from relgloss_view.proof.carry import files_of
+from relgloss_view.proof.page.whole import page_of
 from relgloss_view.proof.proof import Message, Proof
 from relgloss_view.proof.settings import LampPlace, PictureSetting, Settings
 from relgloss_view.proof.unpack import MOST_BYTES, MOST_FILES, contents_of, opened, unpacked
@@ -154,3 +157,22 @@ def test_without_a_scene_there_is_nothing(files):
     for nothing in (None, [], "scene.toml"):
         with pytest.raises(InputError):
             contents_of(nothing)
+
+
+def test_python_of_the_docs(paper, tmp_path, monkeypatch, capsys):
+    """The block of docs/proof.md, run on a file; a changed one is refused by both entries."""
+    docs = (Path(__file__).parents[2] / "docs" / "proof.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```python\n(.*?)```", docs, re.S)
+    html = page_of(paper)
+    (tmp_path / "carton.html").write_text(html, encoding="utf-8", newline="\n")
+    monkeypatch.chdir(tmp_path)
+    exec(compile(block, "docs/proof.md", "exec"), {})
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == len(paper.messages) + 1
+    assert str(paper.sent.test.c) in lines[0]
+    assert lines[-1].endswith("(256, 256, 3)")
+    (tmp_path / "changed.html").write_text(html.replace("<title>", "<title>x"), encoding="utf-8")
+    for entry in (relgloss_view.read_proof, relgloss_view.open_proof):
+        words = r"changed\.html: changed after it was made"
+        with pytest.raises(InputError, match=words), entry("changed.html"):
+            pass

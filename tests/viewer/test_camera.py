@@ -12,7 +12,7 @@ import math
 import materials
 import numpy as np
 import pytest
-from hypothesis import assume, example, given, settings
+from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 from relgloss_view.pack.shape import Shape
@@ -91,6 +91,8 @@ class TestOrbit:
 
 
 class TestZoom:
+    # Many a pointer is beside the object.
+    @settings(max_examples=50, suppress_health_check=[HealthCheck.filter_too_much])
     @given(
         round_shapes,
         azimuths,
@@ -148,6 +150,7 @@ class TestZoom:
         inwards = camera.zoomed(scene_of(eye), -outwards, (100.0, 75.0), SIZE)
         assert (inwards.field_of_view_deg - angle) * outwards > 0.0
 
+    @settings(max_examples=50)
     @given(
         st.sampled_from([(1, 1), (1, 2000), (3, 1500), (8000, 1), (16384, 2), (700, 500)]),
         st.floats(1e-3, 1e3),

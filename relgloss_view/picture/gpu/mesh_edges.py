@@ -27,7 +27,9 @@ from relgloss_view.picture.model.silhouette import EDGE_RAYS
 from relgloss_view.picture.model.view import Box, View
 
 TILE_PX = 2048  #: side of the parts in which the silhouette is looked for
-BLOCK = 4  #: side in pixels of what beside_edges looks at
+BLOCK = 2  #: side in pixels of what beside_edges looks at
+#: By which bounds are larger: corners are drawn up to 1/512 beside their place.
+BESIDE_PX = 1.0 / 64.0
 MARK = 1  #: as EDGE_MARK of mesh_edge.frag, of 255
 
 
@@ -69,10 +71,7 @@ def draw_coverage(
         return
     part = Part(programs.ctx, triangles.mesh, numbers)
     framebuffer.scissor = _scissor(view.bounds)
-    uniforms = {
-        **projection(triangles.mesh, view, (0, 0, *view.size)),
-        "per_target": (1.0 / view.size[0], 1.0 / view.size[1]),
-    }
+    uniforms = projection(triangles.mesh, view, (0, 0, *view.size))
     try:
         programs.draw(
             "mesh_places.frag",
@@ -101,7 +100,7 @@ def _draw_mask(
     target.use()
     target.clear()
     wider = (box[0] - 0.25, box[1] - 0.25, box[2] + 0.25, box[3] + 0.25)
-    uniforms = projection(triangles.mesh, view, wider)
+    uniforms = projection(triangles.mesh, view, wider, 2)
     culls = hides_backs(triangles.mesh, view)
     programs.draw("mesh.frag", {}, uniforms, target, geometry=triangles, culls=culls)
 
@@ -114,7 +113,8 @@ def beside_edges(mesh: Mesh, view: View, marked: AnyArray) -> Ints:
     """Numbers of the triangles whose bounds in the picture come near a marked pixel.
 
     marked: (H, W), rows from the bottom. They are looked for in blocks of pixels, which keeps the
-    sums of a large picture small.
+    sums of a large picture small. Of a closed mesh those seen from behind are left out: the others
+    cover the same places.
     """
     height, width = (-(-side // BLOCK) for side in marked.shape)
     rows = np.logical_or.reduceat(marked, np.arange(0, marked.shape[0], BLOCK), axis=0)
@@ -129,9 +129,20 @@ def beside_edges(mesh: Mesh, view: View, marked: AnyArray) -> Ints:
     corners = places[mesh.triangles]
     behind = np.any(depth[mesh.triangles] <= 1e-9, axis=1)  # its bounds are not known
     limit = np.array([width, height])
-    low = np.clip(np.floor((corners.min(axis=1) - 1.0) / BLOCK), 0, limit).astype(np.int64)
-    high = np.clip(np.ceil((corners.max(axis=1) + 1.0) / BLOCK), 0, limit).astype(np.int64)
+    low = np.clip(np.floor((corners.min(axis=1) - BESIDE_PX) / BLOCK), 0, limit).astype(np.int64)
+    high = np.clip(np.ceil((corners.max(axis=1) + BESIDE_PX) / BLOCK), 0, limit).astype(np.int64)
     low[behind], high[behind] = 0, limit
     (x0, y0), (x1, y1) = low.T, high.T
     held = sums[y1, x1] - sums[y0, x1] - sums[y1, x0] + sums[y0, x0]
-    return np.nonzero(held > 0)[0]
+    near = held > 0
+    if hides_backs(mesh, view):
+        near &= behind | ~_turned_away(corners)
+    return np.nonzero(near)[0]
+
+
+def _turned_away(corners: AnyArray) -> AnyArray:
+    """Whether triangles (T, 3, 2) run clockwise, (T,), with corners off by up to BESIDE_PX."""
+    sides = np.roll(corners, -1, axis=1) - corners
+    twice = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
+    around = np.sum(np.abs(sides), axis=(1, 2))
+    return np.asarray(twice < -(around * BESIDE_PX + 4.0 * BESIDE_PX**2))

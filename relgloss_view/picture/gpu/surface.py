@@ -148,7 +148,7 @@ class Surface:
             )
             inputs = {**uniforms, **where, **placed}
             if form.mesh is not None:
-                inputs |= self._draw_triangles(form.mesh, view, tile, box)
+                inputs |= self._draw_triangles(form.mesh, view, tile, box, samples)
             if form.pack is not None and form.layers is not None:
                 inputs |= self._printed(form)
             self._draw(form, defines, inputs, names, box)
@@ -162,7 +162,9 @@ class Surface:
             self._targets.size = size
         self._names = names
 
-    def _draw_triangles(self, mesh: Mesh, view: View, tile: Box, box: Box) -> Uniforms:
+    def _draw_triangles(
+        self, mesh: Mesh, view: View, tile: Box, box: Box, samples: int
+    ) -> Uniforms:
         triangles = self.uploads.triangles(mesh)
         target: Any = self._targets.framebuffer(TRIANGLE, depth=True)
         target.scissor = box
@@ -171,7 +173,7 @@ class Surface:
         self._programs.draw(
             "mesh.frag",
             {},
-            projection(mesh, view, tile),
+            projection(mesh, view, tile, samples),
             target,
             geometry=triangles,
             depth="<",

@@ -17,7 +17,7 @@ from relgloss_view.picture.model.view import View
 
 WIDE = 1024  #: texels of a row of a list; constant MESH_WIDE of triangles.glsl
 MOST_TRIANGLES = 1 << 24  #: whole numbers that float32 holds
-BYTES = 120  #: a triangle and its share of the points take, on the device and on the way
+BYTES = 288  #: a triangle and its share of the points take, on the device and on the way
 
 
 class Triangles:
@@ -46,7 +46,7 @@ class Triangles:
     def _fill(self, ctx: moderngl.Context, mesh: Mesh) -> None:
         points = np.ascontiguousarray(mesh.points_m, dtype=np.float32)
         corners = np.ascontiguousarray(mesh.triangles, dtype=np.uint32)
-        # Three points of each triangle: a shared point can't know whose corner it is.
+        # Of each triangle on its own: a shared point can't know whose corner it is.
         self._corners = self._keep(ctx, ctx.buffer(listed(points, corners).tobytes()))
         part = np.asarray(mesh.part)[corners[:, 0]] if self.count else np.zeros(0)
         label = np.asarray(mesh.label_m)
@@ -106,16 +106,19 @@ def array_of(
     ctx: moderngl.Context, program: moderngl.Program, corners: moderngl.Buffer
 ) -> moderngl.VertexArray:
     """Triangles, as `listed` has them; the caller frees it."""
-    if "number" in program:
-        return ctx.vertex_array(program, [(corners, "3f 1f", "place_m", "number")])
-    return ctx.vertex_array(program, [(corners, "3f 1x4", "place_m")])
+    names = "first_m", "second_m", "third_m", "which"
+    return ctx.vertex_array(program, [(corners, "3f 3f 3f 2f", *names)])
 
 
 def listed(points: AnyArray, corners: AnyArray) -> AnyArray:
-    """(T, 3, 4) float32: of each triangle three points and its number, counted from 1."""
-    rows = np.empty((len(corners), 3, 4), dtype=np.float32)
-    rows[..., :3] = points[corners]
-    rows[..., 3] = np.arange(1.0, len(corners) + 1.0)[:, None]
+    """(T, 3, 11) float32: for each corner of a triangle all three, its number, the corner's number.
+
+    Triangles are counted from 1, their corners from 0.
+    """
+    rows = np.empty((len(corners), 3, 11), dtype=np.float32)
+    rows[..., :9] = points[corners].reshape(-1, 1, 9)
+    rows[..., 9] = np.arange(1.0, len(corners) + 1.0)[:, None]
+    rows[..., 10] = np.arange(3.0)
     return rows
 
 
@@ -124,9 +127,10 @@ def hides_backs(mesh: Mesh, view: View) -> bool:
     return mesh.is_closed and bool(np.any(np.abs(view.eye_m) > 1.01 * mesh.half_extent_m))
 
 
-def projection(mesh: Mesh, view: View, box: tuple[float, ...]) -> dict[str, Any]:
+def projection(mesh: Mesh, view: View, box: tuple[float, ...], texels: int = 1) -> dict[str, Any]:
     """How mesh.vert draws a view into a target that holds a box of the picture's pixels.
 
+    texels: of the target, along each side of a pixel.
     Depth grows from -1 to 1 over the ball around the object; where the eye is inside it, from a
     thousandth of its radius.
     """
@@ -145,6 +149,7 @@ def projection(mesh: Mesh, view: View, box: tuple[float, ...]) -> dict[str, Any]
     return {
         "eye_axes": axes,  # columns first
         "eye_along": along,
+        "target_px": texels * np.array([width, height]),
         "mesh_frame": np.concatenate([scale, shift]),
         "mesh_depth": np.array([slope, slope * distance - 2.0 * far * near / (far - near)]),
     }

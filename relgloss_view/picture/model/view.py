@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -107,6 +109,24 @@ def _view_of(shape: Shape, eye: Eye, size: Size, _mesh: Mesh | None) -> View:
         size=size,
         bounds=_bounds(shape, place, (right, up, forward), extent, step, shift, size),
     )
+
+
+def at_one_scale(shapes: Iterable[Shape], eye: Eye, size: Size) -> Eye:
+    """The eye that frames several objects: each is as large beside the others as it would be.
+
+    An eye that has an angle of view, and one before objects of one form, stay as they are.
+
+    >>> at_one_scale([Shape(), Shape()], Eye(), (64, 64)) == Eye()
+    True
+    >>> round(at_one_scale([Shape("sphere"), Shape()], Eye(), (64, 64)).field_of_view_deg, 1)
+    12.8
+    """
+    forms_seen = set(shapes)
+    if eye.field_of_view_deg is not None or len(forms_seen) == 1:
+        return eye
+    step = max(view_of(shape, eye, size).pixel_step for shape in forms_seen)
+    angle_deg = float(np.degrees(2.0 * np.arctan(0.5 * size[1] * step)))
+    return dataclasses.replace(eye, field_of_view_deg=angle_deg)
 
 
 @lru_cache(maxsize=64)

@@ -12,7 +12,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Digital
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.version import __version__
+from relgloss_view.base.version import PROGRAM
 from relgloss_view.base.writing import whole_file
 from relgloss_view.display.display import Display
 from relgloss_view.display.icc_writing import profile_of
@@ -24,7 +24,7 @@ from relgloss_view.picture.output.parameters import parameters
 from relgloss_view.picture.output.png16 import write_png16
 from relgloss_view.picture.stages import parts_of
 
-SOFTWARE = f"relgloss {__version__}"
+SOFTWARE = PROGRAM
 
 
 def save_png(

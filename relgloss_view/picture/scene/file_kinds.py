@@ -26,7 +26,9 @@ from relgloss_view.picture.scene.scene_file import MAX_BYTES as MAX_SCENE_BYTES
 
 SCENE, MATERIAL, MEASUREMENT = "scene", "material", "measurement"
 OF_PACKS = (PACK, ARTWORK)
-EXPECTED = "a scene (TOML), a material (JSON) or a measurement (CSV, .bsdf, .binary)"
+EXPECTED = (
+    "a scene (TOML), a proof (HTML), a material (JSON) or a measurement (CSV, .bsdf, .binary)"
+)
 PROOF = b'<meta name="relgloss-proof" content="'  #: of the room above, which reads it
 FEWEST_DELIMITERS = 3  #: three angles and a band
 _SCENE_TABLES = ("sample", *TABLES, FURTHER_LAMP, *PAIR_TABLES, *PACK_TABLES)

@@ -9,7 +9,7 @@ from typing import Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import refuse
-from relgloss_view.base.version import __version__
+from relgloss_view.base.version import PROGRAM as PROGRAM
 from relgloss_view.picture.gpu.shader import shader_folder
 from relgloss_view.proof.drawing import shaders_of
 from relgloss_view.proof.entries import check_entries
@@ -19,7 +19,6 @@ from relgloss_view.proof.page.static import body
 from relgloss_view.proof.proof import Proof, canonical
 
 STAGE = re.compile(r"[a-z_]{1,40}\.(?:frag|vert|glsl)")  #: a file's name without any folder
-PROGRAM = f"relgloss {__version__}"
 
 
 def page_of(proof: Proof, language: str = "en") -> str:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass
 
-from relgloss_view.picture.model.view import MAX_PIXELS, MAX_SIDE_PX, Size, view_of
+from relgloss_view.picture.model.view import MAX_PIXELS, MAX_SIDE_PX, Size, at_one_scale
 from relgloss_view.picture.scene.setup import Eye
 from relgloss_view.viewer.drawing.camera import life_sized
 from relgloss_view.viewer.state.state import (
@@ -97,24 +96,13 @@ def drawable(size: Size, largest: Size | None = None) -> Size:
 
 
 def seen_by(state: State, size: Size, pixel_pitch_m: float | None) -> Eye:
-    """The eye that a picture is drawn with: at life size the monitor decides its angle."""
+    """The eye that a picture is drawn with: at life size the monitor decides its angle.
+
+    Otherwise both objects are at one scale: beside a pack its reference is as large as it would be.
+    """
     if state.presentation.life_size and pixel_pitch_m:
         return life_sized(state.setup.eye, pixel_pitch_m, size)
-    return at_one_scale(state, size)
-
-
-def at_one_scale(state: State, size: Size) -> Eye:
-    """The eye that frames both objects: beside a pack, its reference is as large as it would be.
-
-    Where both sides have one form it is the state's own.
-    """
-    eye = state.setup.eye
-    shapes = {state.scene(side).shape for side in SIDES}
-    if eye.field_of_view_deg is not None or len(shapes) == 1:
-        return eye
-    step = max(view_of(shape, eye, size).pixel_step for shape in shapes)
-    angle_deg = math.degrees(2.0 * math.atan(0.5 * size[1] * step))
-    return dataclasses.replace(eye, field_of_view_deg=angle_deg)
+    return at_one_scale((state.scene(side).shape for side in SIDES), state.setup.eye, size)
 
 
 def as_shown(state: State, size: Size, pixel_pitch_m: float | None) -> State:

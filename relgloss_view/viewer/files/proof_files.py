@@ -20,6 +20,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import read_beginning
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.writing import make_folder, whole_file
+from relgloss_view.picture.scene.file_kinds import EXPECTED
 from relgloss_view.proof.proof import Proof, canonical
 from relgloss_view.viewer.state.places import config_folder, state_folder
 from relgloss_view.viewer.state.proofs import OpenProof
@@ -41,7 +42,7 @@ def is_proof_file(path: str | os.PathLike[str]) -> bool:
     """
     from relgloss_view.proof.read import HEAD_BYTES, is_marked
 
-    head = read_beginning(path, HEAD_BYTES, "a proof (HTML)")
+    head = read_beginning(path, HEAD_BYTES, EXPECTED)
     page = head.removeprefix(b"\xef\xbb\xbf").lower().startswith(_MARK)
     return page or is_marked(head)
 

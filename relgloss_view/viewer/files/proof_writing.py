@@ -8,7 +8,6 @@ adds a message, which takes no time.
 from __future__ import annotations
 
 import dataclasses
-import datetime
 import os
 import subprocess
 import sys
@@ -21,8 +20,15 @@ from pathlib import Path
 from relgloss_view.base import child, followed
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
-from relgloss_view.picture.output.png import SOFTWARE
-from relgloss_view.proof.proof import Message, Proof
+from relgloss_view.base.version import PROGRAM
+from relgloss_view.proof.proof import (
+    MOST_AUTHOR,
+    MOST_NOTE,
+    MOST_TITLE,
+    Message,
+    Proof,
+    present_time,
+)
 from relgloss_view.viewer.files.background import Worker
 from relgloss_view.viewer.files.proof_files import read, signed_words, write_signed
 from relgloss_view.viewer.files.scene_saving import save_scene
@@ -32,7 +38,7 @@ from relgloss_view.viewer.state.state import State
 LONGEST_S = 1800.0
 LONGEST_FAULT = 300
 CANCELLED = "cancelled"
-LONGEST_TEXT = {"title": 120, "author": 60, "note": 4000}  #: characters
+LONGEST_TEXT = {"title": MOST_TITLE, "author": MOST_AUTHOR, "note": MOST_NOTE}  #: characters
 
 
 @dataclass(frozen=True)
@@ -125,8 +131,8 @@ def written(request: ProofRequest, cancelled: threading.Event | None = None) -> 
 
 
 def _message(request: ProofRequest, folder: str = "") -> Message:
-    now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
-    return Message(settings_of(request.state, folder), request.note, request.author, now, SOFTWARE)
+    settings = settings_of(request.state, folder)
+    return Message(settings, request.note, request.author, present_time(), PROGRAM)
 
 
 def _new(request: ProofRequest, cancelled: threading.Event) -> Proof:

@@ -15,30 +15,19 @@ from relgloss_view.quality.backends import FrameRenderer
 from relgloss_view.viewer.state.proofs import OpenProof
 from relgloss_view.viewer.state.state import SIDES, Presentation
 
-#: dE2000 below which nobody sees a difference, at any place of the grid.
-SEEN = 0.5
-#: Share of the grid's points that may lie on the object in one of both pictures alone: another
-#: rounding moves a silhouette by less than a pixel.
-MISSED_SHARE = 0.01
-
 
 @dataclass(frozen=True)
 class SamePicture:
     """How far the pictures drawn here are from the proof's grid.
 
     largest: dE2000 of both pictures. points: that were compared. missed: that show the object in
-    one of both alone.
+    one of both alone. same: whether nobody sees a difference in either picture.
     """
 
     largest: float
     points: int
     missed: int
-
-    @property
-    def same(self) -> bool:
-        """Whether nobody sees a difference."""
-        few = self.missed <= MISSED_SHARE * (self.points + self.missed)
-        return self.points > 0 and self.largest <= SEEN and few
+    same: bool
 
     @property
     def words(self) -> str:
@@ -78,4 +67,5 @@ def same_picture(opened: OpenProof, renderer: FrameRenderer) -> SamePicture:
         max(one.largest for one in found),
         sum(one.points for one in found),
         sum(one.missed for one in found),
+        all(one.is_same for one in found),
     )

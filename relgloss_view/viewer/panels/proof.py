@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from imgui_bundle import ImVec2, imgui
 
 from relgloss_view.base.reading import printable
+from relgloss_view.proof.proof import MOST_NOTE, MOST_TITLE
 from relgloss_view.viewer.panels.list_rows import row
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import em, gray
@@ -24,7 +25,6 @@ from relgloss_view.viewer.state.proofs import (
 if TYPE_CHECKING:
     from relgloss_view.viewer.shell.proof_actions import ProofActions
 
-LONGEST_TITLE, LONGEST_NOTE = 120, 4000  #: characters
 EMPTY = (
     "A proof is one file with both pictures and their settings. Open or drop one (.html), or save "
     "yours: File > Save as proof..."
@@ -52,7 +52,7 @@ def show(actions: ProofActions) -> None:
 
 def _heading(opened: OpenProof) -> None:
     newest = opened.proof.messages[-1]
-    widgets.wrapped(printable(opened.proof.title, LONGEST_TITLE) or "Without a title")
+    widgets.wrapped(printable(opened.proof.title, MOST_TITLE) or "Without a title")
     widgets.wrapped(f"Sent by {author_of(newest)}, {time_of(newest)}", dim=True)
     widgets.wrapped(widgets.sentence(printable(opened.signed[-1], 200)), dim=True)
 
@@ -111,4 +111,4 @@ def printable_lines(text: str) -> str:
     >>> printable_lines("one\\ntwo")
     'one\\ntwo'
     """
-    return "\n".join(printable(line, LONGEST_NOTE) for line in text[:LONGEST_NOTE].splitlines())
+    return "\n".join(printable(line, MOST_NOTE) for line in text[:MOST_NOTE].splitlines())

@@ -22,8 +22,7 @@ from relgloss_view.picture.scene.sample import DEFAULT_SAMPLE, Sample
 from relgloss_view.picture.scene.scene import Scene
 from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.picture.scene.setup import Eye, Lamp, Setup
-
-SIDES = ("reference", "test")
+from relgloss_view.proof.settings import SIDES as SIDES
 
 SIDE_BY_SIDE, WIPE, FLIP, DIFFERENCE = "side by side", "wipe", "flip", "difference"
 COMPARE_MODES = (SIDE_BY_SIDE, WIPE, FLIP, DIFFERENCE)

@@ -2,21 +2,23 @@
 
 import { byId } from "./dom.js";
 import { lifeSized } from "./hand.js";
-import { blits, fitted, panes } from "./layout.js";
-import { View } from "./view.js";
+import { blits, fitted, panes, roomFor } from "./layout.js";
+import { atOneScale } from "./view.js";
 import { say } from "./words.js";
 
 const SLOW_MS = 33; // of a frame, beyond which a moving picture is drawn smaller
 const LEAST_SHARE = 0.3; // of the full size, each way
 const REST_MS = 160; // without a change until the picture is drawn in full
+const LOST_MS = 4000; // that a lost context may take to come back
+const PAPER_PX = 660; // of a printed page that is as narrow as paper is
 const SAY_MS = 900; // until a change is read out
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
-/** The page's state; engine draws, sealed is {proof, ...}. */
+/** The page's state. engine: of the proof, on the canvas. proof: the JSON that was sealed. */
 export class App {
   constructor(engine, canvas, proof) {
-    Object.assign(this, { engine, canvas, proof });
+    Object.assign(this, { engine, canvas, proof, room: roomFor(engine.drawing.sides) });
     this.index = proof.messages.length - 1;
     this.present = proof.messages[this.index].settings;
     this.kept = this.present; // what was saved last
@@ -30,6 +32,7 @@ export class App {
     this.moved = -Infinity; // when something last moved
     this.drawn = null; // {settings, size, report}
     this.lost = false;
+    this.life = null; // {devicePixel in mm, height of a picture, its angle} once life size was chosen
     this.asked = 0;
   }
 
@@ -123,9 +126,10 @@ export class App {
       [stage.width, stage.height] = pixels;
     }
     const { mode, side, share } = this.shown;
-    this.panes = panes(mode, width, height, side);
+    this.panes = panes(mode, width, height, side, this.room);
     const { size, boxes } = fitted(this.panes, ratio);
     this.boxes = boxes;
+    this.keepLifeSize();
     const part = moving ? this.share : 1;
     const drawn = size.map((count) => Math.max(16, Math.round(count * part)));
     const settings = this.present, begun = performance.now();
@@ -196,18 +200,30 @@ export class App {
     return this.lost || this.drawn === null ? null : this.engine.lab_at(side, x, y);
   }
 
-  /** Tangent of a CSS pixel of a pane where the eye frames the object. */
-  framed(pane) {
-    const { numbers, sides } = this.engine.drawing, { size } = this.drawn;
-    const { field_of_view_deg: _, ...eye } = this.present.eye;
-    const view = View.of(sides.reference.shape, eye, size, numbers);
-    return view.pixelStep * size[1] / pane.box[3];
+  /** What a pane shows, for the hand: {shape, eye, numbers}. */
+  seen({ side, box }) {
+    const { drawing } = this.engine;
+    return {
+      shape: drawing.sides[side].shape, numbers: drawing.numbers,
+      eye: atOneScale(drawing, this.present.eye, box.slice(2)),
+    };
   }
 
   /** Show the object life size; a CSS pixel of the screen is so many millimetres. */
   lifeSize(pixel) {
-    const pane = this.paneAt(), eye = lifeSized(this.present.eye, pane.box[3] * pixel / 1000);
+    const height = this.paneAt().box[3], eye = lifeSized(this.present.eye, height * pixel / 1000);
+    this.life = { devicePixel: pixel / window.devicePixelRatio, height, angle: eye.field_of_view_deg };
     this.set({ ...this.present, eye: { ...eye, shift_right: 0, shift_up: 0 } });
+  }
+
+  /** Keep the object life size where the pictures have got another height. */
+  keepLifeSize() {
+    const { life, present: { eye } } = this, height = this.paneAt().box[3];
+    if (!life || eye.field_of_view_deg !== life.angle || height === life.height) return;
+    const pixel = life.devicePixel * window.devicePixelRatio;
+    const kept = lifeSized(eye, height * pixel / 1000);
+    this.life = { ...life, height, angle: kept.field_of_view_deg };
+    this.present = { ...this.present, eye: kept };
   }
 
   /** Frame the object again, from where the eye is. */
@@ -224,14 +240,41 @@ export class App {
       this.lost = true;
       this.main("lost");
       notice(say("state.lost"));
+      this.waitsLost = setTimeout(() => this.showStored(true), LOST_MS);
     });
     this.engine.onRestored = () => {
+      clearTimeout(this.waitsLost);
       this.drawn = null;
       this.lost = false;
+      this.showStored(false);
       notice("");
       this.redraw();
     };
   }
+
+  /** The stored pictures in the canvas's place, where nothing can be drawn any more; or back. */
+  showStored(stored) {
+    this.canvas.hidden = stored;
+    for (const name of ["controls", "tools"]) {
+      const part = byId(name);
+      if (part !== null) part.inert = stored;
+    }
+    this.main(stored ? "stored" : "lost"); // until it is drawn again
+    if (stored) notice(say("state.stored"));
+  }
+}
+
+/** On paper the pictures keep their proportions and their names' places, as wide as a page. */
+export function keepForPaper(stage) {
+  window.addEventListener("beforeprint", () => {
+    const { clientWidth, clientHeight } = stage;
+    stage.style.setProperty("width", `${clientWidth}px`);
+    stage.style.setProperty("height", `${clientHeight}px`);
+    stage.style.setProperty("zoom", String(Math.min(1, PAPER_PX / clientWidth)));
+  });
+  window.addEventListener("afterprint", () => {
+    for (const name of ["width", "height", "zoom"]) stage.style.removeProperty(name);
+  });
 }
 
 /** The line above all else; empty hides it. */

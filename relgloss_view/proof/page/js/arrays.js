@@ -1,5 +1,7 @@
 // Arrays of a proof: the way back from proof/arrays.py.
 
+import { Unsupported } from "./device.js";
+
 const ARRAY_KINDS = {
   Uint8: Uint8Array,
   Uint16: Uint16Array,
@@ -21,9 +23,10 @@ const MOST_INFLATED = 2 ** 28; // bytes of an array or a picture, beyond any tha
 
 /**
  * The `length` bytes that were compressed as zlib does it. Throws where there are fewer or more: a
- * few kB can claim to be all of a machine's memory.
+ * few kB can claim to be all of a machine's memory. Unsupported where the browser can't inflate.
  */
 export async function inflated(bytes, length) {
+  if (typeof DecompressionStream === "undefined") throw new Unsupported("no inflation");
   if (!(Number.isSafeInteger(length) && length >= 0 && length <= MOST_INFLATED)) {
     throw new Error("an array beyond all bounds");
   }

@@ -30,16 +30,13 @@ export function checkGrid(engine, proof) {
   const columns = gridPlaces(grid.columns, size[0]);
   const rows = gridPlaces(grid.rows, size[1]);
   const found = { largest: 0, side: "reference", place: [0, 0], points: 0, missed: 0 };
-  const apart = engine._passes(); // what is shown stays as it is
-  try {
-    const drawn = engine._draw(apart, proof.messages[0].settings, size);
+  engine.drawAside(proof.messages[0].settings, size, (passes, report) => {
     for (const side of Object.keys(grid.sides)) {
-      const split = engine.device.read(apart[side].target(["split"])); // row 0 is the lowest
-      compareSide(engine, found, side, grid.sides[side], { split, size, columns, rows, c: drawn[side].c });
+      const split = engine.device.read(passes[side].target(["split"])); // row 0 is the lowest
+      const { c } = report[side];
+      compareSide(engine, found, side, grid.sides[side], { split, size, columns, rows, c });
     }
-  } finally {
-    for (const passes of Object.values(apart)) passes.release();
-  }
+  });
   found.same = found.points > 0 && found.missed === 0 && found.largest <= CHECK_TOLERANCE;
   return found;
 }

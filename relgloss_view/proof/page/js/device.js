@@ -3,7 +3,7 @@
 import { setUniform } from "./setter.js";
 import { ShaderError, ShaderSource, ownName } from "./shader.js";
 
-/** A browser that can't draw; reason is "no webgl2" or "no float targets". */
+/** A browser that can't draw; reason is "no webgl2", "no float targets" or "no inflation". */
 export class Unsupported extends Error {
   constructor(reason) {
     super(reason);
@@ -31,6 +31,7 @@ const TEXTURE_KINDS = {
   r8: ["R8", "RED", "UNSIGNED_BYTE", Uint8Array],
 };
 const MOST_PROGRAMS = 48;
+const SMALL_TEXELS = 65536; // fewer never lack memory, and asking makes the page wait
 const DEPTH_TESTS = { "<": "LESS", ">": "GREATER", "<=": "LEQUAL", "1": "ALWAYS" };
 
 export class Device {
@@ -125,7 +126,7 @@ export class Device {
     if (data) {
       gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, height, gl[format], gl[type], data);
     }
-    if (this._noted() === gl.OUT_OF_MEMORY) {
+    if (width * height > SMALL_TEXELS && this._noted() === gl.OUT_OF_MEMORY) {
       gl.deleteTexture(handle);
       throw new DeviceError("no memory", `${width}x${height}`);
     }

@@ -18,6 +18,11 @@ export function make(tag, properties = {}, ...children) {
   return element;
 }
 
+/** Whether the reader's first pointer is a finger. */
+export function byTouch() {
+  return window.matchMedia("(pointer: coarse)").matches;
+}
+
 /** Buttons of which one is pressed; `choices` are {key: text}. Returns {element, show(key)}. */
 export function segments(label, choices, chosen, choose) {
   const buttons = Object.entries(choices).map(([key, text]) => make("button", {

@@ -1,13 +1,15 @@
 // The engine: settings become the pictures of both sides, as the window draws them.
 
+import { beginPictures } from "./ahead.js";
 import { unpackedAll } from "./arrays.js";
 import { Device, DeviceError } from "./device.js";
-import { commonFactor, heldFactor, scalingOf } from "./pair.js";
+import { SIDES, commonFactor, heldFactor, scalingOf } from "./pair.js";
 import { Passes } from "./passes.js";
 import { openForm } from "./surface.js";
+import { atOneScale } from "./view.js";
 
-const ENGINE_SIDES = ["reference", "test"];
 const PREPARED_SIZE = [80, 8]; // wide enough for the reduction's further steps
+const LIKELY_SIZE = [512, 512]; // of a first picture, for what depends on a size but little
 
 export class Engine {
   /**
@@ -19,25 +21,31 @@ export class Engine {
     const device = new Device(canvas, shaders, drawing.definitions);
     const forms = {};
     for (const name of Object.keys(drawing.sides)) {
-      forms[name] = await openForm(device, drawing, name, proof.content.files ?? {});
+      forms[name] = await openForm(device, drawing, name);
     }
-    return new Engine(device, drawing, forms);
+    const engine = new Engine(device, drawing, forms);
+    const newest = proof.messages?.[proof.messages.length - 1];
+    if (newest) beginPictures(device, engine.passes, newest.settings, LIKELY_SIZE);
+    for (const form of Object.values(forms)) await form?.print(proof.content.files ?? {});
+    return engine;
   }
 
   constructor(device, drawing, forms = {}) {
     this.device = device;
     this.forms = forms;
     this.drawing = drawing;
-    this.sides = ENGINE_SIDES.filter((name) => name in drawing.sides);
+    this.sides = SIDES.filter((name) => name in drawing.sides);
     this.onRestored = null; // called when a lost context came back: draw again
     this._factor = 1;
     this._drawn = null;
+    this._edgedView = null; // JSON of eye and size of the last pictures with smooth edges
     this.passes = this._passes();
     this._preparing = null;
     device.onRestored = () => {
       for (const form of Object.values(this.forms)) form?.forget();
       for (const passes of Object.values(this.passes)) passes.forget();
       this._drawn = null;
+      this._edgedView = null;
       this.onRestored?.();
     };
   }
@@ -64,14 +72,27 @@ export class Engine {
    */
   draw(settings, size, { moving = false } = {}) {
     if (this.device.lost) throw new DeviceError("lost");
-    const result = this._draw(this.passes, settings, size, moving);
+    const edged = this._isEdged(settings, size, moving);
+    const result = this._draw(this.passes, settings, size, { moving, edged });
     this._factor = result.factor;
     this._drawn = { settings, size, result };
     return result;
   }
 
-  _draw(allPasses, settings, size, moving = false) {
+  /**
+   * Whether silhouettes are smooth: where they lie is looked for once a view, which costs as much as
+   * the picture, so not while the view moves. The window's PairRenderer._edged.
+   */
+  _isEdged({ eye }, size, moving) {
+    const view = JSON.stringify([eye, size]);
+    if (moving && view !== this._edgedView) return false;
+    this._edgedView = view;
+    return true;
+  }
+
+  _draw(allPasses, asked, size, { moving = false, edged = true } = {}) {
     const { numbers } = this.drawing;
+    const settings = { ...asked, eye: atOneScale(this.drawing, asked.eye, size) };
     const requests = {};
     const lights = {};
     for (const name of this.sides) {
@@ -87,7 +108,7 @@ export class Engine {
     for (const name of this.sides) {
       const { extremes, white, objectPixels } = lights[name];
       const scaling = scalingOf(settings[name].c, extremes, factor, numbers);
-      allPasses[name].tone(requests[name], scaling.c);
+      allPasses[name].tone(requests[name], scaling.c, edged);
       result[name] = {
         ...scaling, extremes, objectPixels, lit: white > 0, samples: requests[name].samples,
         view: { pixel_step: requests[name].view.pixelStep, bounds: requests[name].view.bounds },
@@ -132,6 +153,24 @@ export class Engine {
       this._draw(spare, changed, PREPARED_SIZE);
     }
     for (const passes of Object.values(spare)) passes.release();
+  }
+
+  /**
+   * Draw both pictures aside, so that what is shown stays as it is. use(passes, report) reads their
+   * targets before they are freed; its result is handed on.
+   */
+  drawAside(settings, size, use) {
+    const aside = this._passes();
+    try {
+      return use(aside, this._draw(aside, settings, size));
+    } finally {
+      for (const passes of Object.values(aside)) passes.release();
+    }
+  }
+
+  /** What draw() last returned; null before the first picture. */
+  get report() {
+    return this._drawn?.result ?? null;
   }
 
   /**

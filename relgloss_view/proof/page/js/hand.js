@@ -1,9 +1,15 @@
 // The hand on the object and the lamp: twins of viewer/drawing/camera.py.
 
+import { Press } from "./press.js";
+import { meet } from "./shape.js";
+import { View } from "./view.js";
+
 export const ZOOM_STEP = 1.15; // of one notch of the wheel
 const DEGREES_ACROSS = 180; // that a drag over the whole width turns
 const WIDEST_DEG = 120, NARROWEST_DEG = 0.2; // angle of view that zooming reaches
-const FARTHEST_SHIFT = 100;
+const ANGLES_DEG = [1e-3, 170], FARTHEST_SHIFT = 100; // that an eye can have
+const INNER = 0.9; // share of the picture, each way, that some of the object stays in
+const BISECTIONS = 40;
 const KEY_DEGREES = 5; // of one press of an arrow
 
 /** The same direction, -180 to 180 degrees. */
@@ -35,30 +41,28 @@ export function turned(lamp, moved, width) {
   };
 }
 
-/** Tangent of a pixel's side in a picture so many pixels high; `framed` where the eye has no
- * angle of view. */
-export function pixelStep(eye, height, framed) {
-  if (eye.field_of_view_deg === undefined) return framed;
-  return Math.tan(eye.field_of_view_deg * Math.PI / 360) / (0.5 * height);
-}
-
-/** The eye after turns of the wheel; what is under the pointer stays there. */
-export function zoomed(eye, notches, pointer, size, framed) {
-  const [width, height] = size, half = 0.5 * height;
-  const before = pixelStep(eye, height, framed);
-  const tangent = (angle) => Math.tan(angle * Math.PI / 360) / half;
-  const low = Math.min(tangent(NARROWEST_DEG), before), high = Math.max(tangent(WIDEST_DEG), before);
+/** The eye after turns of the wheel; what is under the pointer stays there.
+ *
+ * seen: {shape, eye, numbers} of the picture under the pointer, its eye as the pictures have it.
+ */
+export function zoomed(seen, notches, pointer, size) {
+  const { shape, eye, numbers } = seen, [width, height] = size, half = 0.5 * height;
+  const view = View.of(shape, eye, size, numbers), before = view.pixelStep;
+  const [narrow, wide, least, most] = [NARROWEST_DEG, WIDEST_DEG, ...ANGLES_DEG]
+    .map((angle) => Math.tan(angle * Math.PI / 360) / half);
+  // A view that is beyond the limits of zooming is not drawn back to them.
+  const low = Math.max(Math.min(narrow, before), least), high = Math.min(Math.max(wide, before), most);
   const step = held(before * ZOOM_STEP ** -notches, low, high);
   const right = pointer[0] - 0.5 * width, up = half - pointer[1];
-  return shifted({ ...eye, field_of_view_deg: angleOf(step * half) }, [
-    eye.shift_right + right * (before - step), eye.shift_up + up * (before - step),
-  ]);
+  const shift = [view.shift[0] + right * (before - step), view.shift[1] + up * (before - step)];
+  return shifted({ ...seen, eye: { ...eye, field_of_view_deg: angleOf(step * half) } }, shift, step, size);
 }
 
 /** The eye after a drag of two fingers, which slides the picture. */
-export function panned(eye, moved, height, framed) {
-  const step = pixelStep(eye, height, framed);
-  return shifted(eye, [eye.shift_right - moved[0] * step, eye.shift_up + moved[1] * step]);
+export function panned(seen, moved, size) {
+  const { shape, eye, numbers } = seen, step = View.of(shape, eye, size, numbers).pixelStep;
+  const shift = [eye.shift_right - moved[0] * step, eye.shift_up + moved[1] * step];
+  return shifted(seen, shift, step, size);
 }
 
 /** The eye that shows the plane through the object's centre, in a picture so high, life size. */
@@ -67,21 +71,44 @@ export function lifeSized(eye, height_m) {
 }
 
 function angleOf(tangent) {
-  return held(Math.atan(tangent) * 360 / Math.PI, 1e-3, 170);
+  return held(Math.atan(tangent) * 360 / Math.PI, ...ANGLES_DEG);
 }
 
-function shifted(eye, [right, up]) {
-  return {
-    ...eye,
-    shift_right: held(right, -FARTHEST_SHIFT, FARTHEST_SHIFT),
-    shift_up: held(up, -FARTHEST_SHIFT, FARTHEST_SHIFT),
+/** The eye with a shift, held so that some of the object stays in the picture.
+ *
+ * The point of the picture's inner part that is nearest to the object's centre shows the object; a
+ * shift that goes further is made as much shorter as that takes.
+ */
+function shifted({ shape, eye, numbers }, shift, step, size) {
+  const view = View.of(shape, eye, size, numbers);
+  // A drag has no time for triangles: their bounding box stands for them.
+  const kind = shape.analytic ? shape.kind : "box";
+  const inner = size.map((count) => 0.5 * INNER * count * step);
+  const isInReach = (part) => {
+    const now = shift.map((tangent) => part * tangent);
+    if (Math.max(...now.map(Math.abs)) > FARTHEST_SHIFT) return false;
+    const [right, up] = now.map((tangent, k) => tangent - held(tangent, -inner[k], inner[k]));
+    if (right === 0 && up === 0) return true;
+    const ray = view.forward.map((x, k) => x + right * view.right[k] + up * view.up[k]);
+    return meet(kind, view.eye_m, ray, shape.half_extent_m).found;
   };
+  let inside = 1;
+  if (!isInReach(1)) {
+    let outside = 1;
+    inside = 0;
+    for (let k = 0; k < BISECTIONS; k++) {
+      const part = 0.5 * (inside + outside);
+      if (isInReach(part)) inside = part;
+      else outside = part;
+    }
+  }
+  return { ...eye, shift_right: inside * shift[0], shift_up: inside * shift[1] };
 }
 
 /** Listen to pointers, wheel and keys over the canvas.
  *
  * app: mode() is 'turn', 'lamp' or 'read'; paneAt(x, y) of CSS pixels gives {side, box} or null;
- * settings(), set(settings, live), framed(), point(x, y) or point(null), keys(event) for the rest.
+ * settings(), set(settings, live), seen(pane), point(x, y) or point(null), key(name) for the rest.
  */
 export function listen(canvas, app) {
   const pointers = new Map();
@@ -94,10 +121,17 @@ export function listen(canvas, app) {
     app.set(lamp ? { ...now, lamp: turned(now.lamp, moved, width) }
       : { ...now, eye: orbited(now.eye, moved, width) }, true);
   };
+  const press = new Press((where) => app.point(...where));
   canvas.addEventListener("pointerdown", (event) => {
-    pointers.set(event.pointerId, place(event));
+    const now = place(event);
+    pointers.set(event.pointerId, now);
     canvas.setPointerCapture(event.pointerId);
-    if (app.mode() === "read") app.point(...place(event));
+    if (app.mode() === "read") app.point(...now);
+    else if (event.pointerType !== "mouse") {
+      app.point(null);
+      if (pointers.size === 1) press.begin(now);
+      else press.end();
+    }
   });
   canvas.addEventListener("pointermove", (event) => {
     const now = place(event), before = pointers.get(event.pointerId);
@@ -106,6 +140,7 @@ export function listen(canvas, app) {
       if (event.pointerType === "mouse" || before !== undefined) app.point(...now);
       return;
     }
+    if (pointers.size === 1 && !press.drags(now)) return;
     const moved = [now[0] - before[0], now[1] - before[1]];
     if (pointers.size === 1) drag(moved, pane.box[2], event.shiftKey || app.mode() === "lamp");
     else if (pointers.size === 2) pinch(event.pointerId, before, now, moved, pane);
@@ -119,19 +154,26 @@ export function listen(canvas, app) {
     const middle = [0.5 * (now[0] + other[0]), 0.5 * (now[1] + other[1])];
     zoom(notches, middle, pane);
     const settings = app.settings();
-    app.set({ ...settings, eye: panned(settings.eye, [0.5 * moved[0], 0.5 * moved[1]],
-      pane.box[3], app.framed(pane)) }, true);
+    const half = [0.5 * moved[0], 0.5 * moved[1]]; // the middle of both fingers
+    app.set({ ...settings, eye: panned(app.seen(pane), half, pane.box.slice(2)) }, true);
   };
   const zoom = (notches, [x, y], pane) => {
     const [left, top, width, height] = pane.box, settings = app.settings();
-    const eye = zoomed(settings.eye, notches, [x - left, y - top], [width, height],
-      app.framed(pane));
+    const eye = zoomed(app.seen(pane), notches, [x - left, y - top], [width, height]);
     app.set({ ...settings, eye }, true);
   };
   for (const ended of ["pointerup", "pointercancel", "lostpointercapture"]) {
-    canvas.addEventListener(ended, (event) => pointers.delete(event.pointerId));
+    canvas.addEventListener(ended, (event) => {
+      if (pointers.delete(event.pointerId)) press.end();
+    });
   }
-  canvas.addEventListener("pointerleave", () => { if (app.mode() !== "read") app.point(null); });
+  // What a long press has read stays until the next touch: a finger hides what it points at.
+  canvas.addEventListener("pointerleave", (event) => {
+    if (event.pointerType === "mouse" && app.mode() !== "read") app.point(null);
+  });
+  canvas.addEventListener("contextmenu", (event) => {
+    if (press.reads || event.pointerType === "touch") event.preventDefault();
+  });
   canvas.addEventListener("wheel", (event) => {
     const pane = app.paneAt(...place(event));
     // The wheel scrolls the page until the canvas has the focus.

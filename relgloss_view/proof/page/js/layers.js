@@ -6,6 +6,8 @@ import { decodePng } from "./png.js";
 
 const { fround } = Math;
 const LARGEST_PAINT = fround(6e4);
+const KEPT_COLOURS = 4096; // colours of an artwork whose paint is found again
+const KEPT_SHIFT = 20; // from 32 bits to the number of a place among them
 const halfNumber = new Float32Array(1);
 const halfBits = new Uint32Array(halfNumber.buffer);
 
@@ -30,6 +32,19 @@ export function halfOf(number) {
   return sign | ((size - 0x38000000 + 0xfff + ((size >>> 13) & 1)) >>> 13);
 }
 
+/** The half floats nearest to numbers that are finite and no larger than 65504: a Uint16Array. */
+export function halvesOf(values) {
+  const bits = new Uint32Array(values.buffer, values.byteOffset, values.length);
+  const halves = new Uint16Array(values.length);
+  for (let n = 0; n < halves.length; n++) {
+    const size = bits[n] & 0x7fffffff;
+    halves[n] = size < 0x38800000
+      ? halfOf(values[n])
+      : ((bits[n] >>> 16) & 0x8000) | ((size - 0x38000000 + 0xfff + ((size >>> 13) & 1)) >>> 13);
+  }
+  return halves;
+}
+
 let halfNumbers = null;
 
 /** The number of each half float, by its bits. */
@@ -45,7 +60,7 @@ export function numbersOfHalves() {
   return halfNumbers;
 }
 
-/** The layers of a side's `surface.printed`; files: the content's own. {levels, count, uniforms, partTable}.
+/** The layers of a side's `surface.printed`; files: the content's own. {levels, count}.
  *
  * levels: {width, height, paint: Uint16Array of half floats, 4 a texel, channels: Uint8Array, `count` a texel}.
  */
@@ -94,23 +109,41 @@ async function paintOf(from, files, width, height, channels, count) {
 // does that multiplies matrices, but where all of some rows is of one colour.
 function convertedPaint({ width, height, channels, alpha, top, data }, curves, { matrix, scale, rows }) {
   const paint = new Uint16Array(4 * width * height);
+  const pairs = new Uint32Array(paint.buffer); // two half floats each, so that a texel is copied in two steps
   const colours = alpha ? channels - 1 : channels;
   const values = top + 1;
-  const several = curves.length / values > 1;
+  const stride = curves.length / values > 1 ? values : 0;
   const one = halfOf(1);
   const xyz = new Float32Array(3);
   const light = new Float32Array(3);
+  // Where a colour of three bytes was converted last: artwork repeats its colours.
+  const cached = channels === 3 && top === 255;
+  const keys = new Int32Array(KEPT_COLOURS);
+  const places = new Int32Array(KEPT_COLOURS);
   for (let first = 0; first < height; first += rows) {
     const begin = first * width;
     const end = Math.min(first + rows, height) * width;
     const joined = !isEven(data, begin, end, channels, colours);
+    keys.fill(-1);
     for (let n = begin; n < end; n++) {
       const at = n * channels;
-      if (n > begin && isSame(data, at, at - channels, channels)) {
-        for (let k = 0; k < 4; k++) paint[4 * n + k] = paint[4 * n - 4 + k];
+      let slot = 0;
+      if (cached) {
+        const key = (data[at] << 16) | (data[at + 1] << 8) | data[at + 2];
+        slot = Math.imul(key, 0x9e3779b1) >>> KEPT_SHIFT;
+        if (keys[slot] === key) {
+          pairs[2 * n] = pairs[2 * places[slot]];
+          pairs[2 * n + 1] = pairs[2 * places[slot] + 1];
+          continue;
+        }
+        keys[slot] = key;
+        places[slot] = n;
+      } else if (n > begin && isSame(data, at, at - channels, channels)) {
+        pairs[2 * n] = pairs[2 * n - 2];
+        pairs[2 * n + 1] = pairs[2 * n - 1];
         continue;
       }
-      for (let c = 0; c < colours; c++) light[c] = curves[(several ? c * values : 0) + data[at + c]];
+      for (let c = 0; c < colours; c++) light[c] = curves[c * stride + data[at + c]];
       for (let k = 0; k < 3; k++) {
         let sum = fround(light[0] * matrix[k]);
         for (let c = 1; c < colours; c++) {
@@ -162,56 +195,75 @@ function takeLobesOff(paint, { lobes, specular_channel: places }, channels, coun
   }
 }
 
-// Level 0 as the numbers that the next levels are means of; shares count 255 there, and 1 further down.
+// Level 0 as what the next levels are means of: half floats by their bits; shares count 255 there, and 1 further down.
 function started({ width, height, paint, channels }) {
-  const numbers = numbersOfHalves();
-  const light = new Float32Array(paint.length);
-  for (let n = 0; n < light.length; n++) light[n] = numbers[paint[n]];
-  return { width, height, paint: light, shares: channels, scale: fround(1 / 255) };
+  return { width, height, paint, table: numbersOfHalves(), shares: channels, scale: fround(1 / 255) };
 }
 
-function halvedLevel({ width, height, paint, shares, scale }, count) {
+function halvedLevel({ width, height, paint, table, shares, scale }, count) {
   const means = count ? halved(shares, width, height, count) : new Float32Array(0);
-  for (let n = 0; n < means.length; n++) means[n] *= scale;
+  if (scale !== 1) for (let n = 0; n < means.length; n++) means[n] *= scale;
   const [across, down] = [Math.ceil(width / 2), Math.ceil(height / 2)];
-  return { width: across, height: down, paint: halved(paint, width, height, 4), shares: means, scale: 1 };
+  const light = halved(paint, width, height, 4, table);
+  return { width: across, height: down, paint: light, table: null, shares: means, scale: 1 };
 }
 
 function stored({ width, height, paint, shares }, count, groups) {
-  const halves = new Uint16Array(paint.length);
-  for (let n = 0; n < halves.length; n++) halves[n] = halfOf(paint[n]);
-  return { width, height, paint: halves, channels: quantised(shares, width * height, count, groups) };
+  return { width, height, paint: halvesOf(paint), channels: quantised(shares, width * height, count, groups) };
 }
 
-/** Texels, `count` numbers each, at half the size: layers.halved. */
-export function halved(texels, width, height, count) {
+/** Texels, `count` numbers each, at half the size: layers.halved. table: of numbers that texels stand for. */
+export function halved(texels, width, height, count, table = null) {
   const [across, down] = [halvedSide(width), halvedSide(height)];
-  const out = new Float32Array(across.length * down.length * count);
   const line = width * count;
+  const out = new Float32Array(across.length * down.length * count);
   const row = new Float32Array(line);
-  for (let y = 0; y < down.length; y++) {
-    mixedRows(row, texels, line, down[y]);
-    const to = y * across.length * count;
-    for (let x = 0; x < across.length; x++) {
-      const { from, weights } = across[x];
-      for (let c = 0; c < count; c++) {
-        let sum = fround(weights[0] * row[from[0] * count + c]);
-        for (let k = 1; k < weights.length; k++) sum = fround(sum + fround(weights[k] * row[from[k] * count + c]));
-        out[to + x * count + c] = sum;
-      }
-    }
-  }
+  const kept = [0, 1, 2].map(() => new Float32Array(line));
+  const even = width % 2 === 0;
+  down.forEach(({ from, weights }, y) => {
+    const lines = from.map((place, k) => lineOf(texels, place * line, kept[k], table));
+    mixedRows(row, lines, weights);
+    const part = out.subarray(y * across.length * count, (y + 1) * across.length * count);
+    if (even) halvedEvenly(part, row, count);
+    else halvedRow(part, row, count, across);
+  });
   return out;
 }
 
-function mixedRows(row, texels, line, { from, weights }) {
-  const [first, second, third] = from.map((place) => place * line);
-  const [a, b, c] = weights;
-  for (let n = 0; n < line; n++) {
-    let sum = fround(a * texels[first + n]);
-    if (weights.length > 1) sum = fround(sum + fround(b * texels[second + n]));
-    if (weights.length > 2) sum = fround(sum + fround(c * texels[third + n]));
-    row[n] = sum;
+// A row of texels as float32.
+function lineOf(texels, first, kept, table) {
+  if (texels instanceof Float32Array) return texels.subarray(first, first + kept.length);
+  if (table) for (let n = 0; n < kept.length; n++) kept[n] = table[texels[first + n]];
+  else kept.set(texels.subarray(first, first + kept.length));
+  return kept;
+}
+
+function halvedEvenly(out, row, count) {
+  for (let n = 0, from = 0; n < out.length; from += count) {
+    for (let c = 0; c < count; c++, n++, from++) out[n] = fround(fround(0.5 * row[from]) + fround(0.5 * row[from + count]));
+  }
+}
+
+function halvedRow(out, row, count, across) {
+  for (let x = 0; x < across.length; x++) {
+    const { from, weights } = across[x];
+    for (let c = 0; c < count; c++) {
+      let sum = fround(weights[0] * row[from[0] * count + c]);
+      for (let k = 1; k < weights.length; k++) sum = fround(sum + fround(weights[k] * row[from[k] * count + c]));
+      out[x * count + c] = sum;
+    }
+  }
+}
+
+function mixedRows(row, [first, second, third], [a, b, c]) {
+  if (third) {
+    for (let n = 0; n < row.length; n++) {
+      row[n] = fround(fround(fround(a * first[n]) + fround(b * second[n])) + fround(c * third[n]));
+    }
+  } else if (second) {
+    for (let n = 0; n < row.length; n++) row[n] = fround(fround(a * first[n]) + fround(b * second[n]));
+  } else {
+    for (let n = 0; n < row.length; n++) row[n] = fround(a * first[n]);
   }
 }
 

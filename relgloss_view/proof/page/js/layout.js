@@ -1,19 +1,37 @@
 // Where the pictures lie on the canvas: side by side or stacked, under a wipe, or one at a time.
 
-export const SIDES = ["reference", "test"];
+import { SIDES } from "./pair.js";
+
 const GAP = 8; // CSS pixels between the pictures
 export const MOST_PX = 1024; // of a picture's side
+
+/** Width and height of what holds both objects, however they turn about their axes; any unit. */
+export function roomFor(sides) {
+  const shapes = Object.values(sides).map(({ shape }) => shape);
+  return [Math.max(...shapes.map(reachOf)), Math.max(...shapes.map((shape) => shape.half_extent_m[1]))];
+}
+
+// How far an object reaches from its upright axis, metres.
+function reachOf({ kind, half_extent_m: [x, , z], outline_m: points }) {
+  if (kind === "cylinder" || kind === "sphere") return x;
+  if (!points) return Math.hypot(x, z);
+  let reach = 0;
+  for (const [px, , pz] of points) reach = Math.max(reach, Math.hypot(px, pz));
+  return reach;
+}
 
 /** Panes of a stage, CSS pixels: [{side, box: [x, y, width, height]}].
  *
  * mode: 'both', 'wipe' or 'flip'. side: which one a flip shows. In a wipe both have the same box.
+ * room: of roomFor.
  */
-export function panes(mode, width, height, side) {
+export function panes(mode, width, height, side, room) {
   if (mode === "flip") return [{ side, box: [0, 0, width, height] }];
   if (mode === "wipe") return SIDES.map((name) => ({ side: name, box: [0, 0, width, height] }));
   const beside = Math.floor((width - GAP) / 2), below = Math.floor((height - GAP) / 2);
-  // Whichever leaves room for the larger square.
-  if (Math.min(beside, height) >= Math.min(width, below)) {
+  // Whichever shows the objects larger.
+  const scale = (across, tall) => Math.min(across / room[0], tall / room[1]);
+  if (scale(beside, height) >= scale(width, below)) {
     return SIDES.map((name, k) => ({ side: name, box: [k * (beside + GAP), 0, beside, height] }));
   }
   return SIDES.map((name, k) => ({ side: name, box: [0, k * (below + GAP), width, below] }));

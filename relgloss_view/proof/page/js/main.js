@@ -1,8 +1,8 @@
 // What runs when the page is opened: check, draw, and hand over to whoever looks.
 
-import { App, notice } from "./app.js";
+import { App, keepForPaper, notice } from "./app.js";
 import { checkPage, checkSignatures, pageText, withMessage, wordsOfPart } from "./canonical.js";
-import { byId, make } from "./dom.js";
+import { byId, byTouch, make } from "./dom.js";
 import { Engine } from "./engine.js";
 import { held, lifeSized, listen, orbited, panned, turned, zoomed } from "./hand.js";
 import { lifeSize } from "./life.js";
@@ -82,13 +82,16 @@ async function open({ proof, shaders, digests, digest, signatures: signed }) {
   app.answered = (words) => answered(app, words);
   main.dataset.state = "drawing";
   try {
-    app.paint(false);
+    // Silhouettes of triangles are smoothed by the next frame, so that a pack is seen sooner.
+    app.paint(Object.values(engine.forms).some((form) => form?.mesh));
+    app.share = 1; // a first frame compiles, so its time says nothing of the next
   } catch (fault) {
     unsupported(fault);
     return;
   }
   arrange(app, canvas);
   app.watch();
+  keepForPaper(byId("stage"));
   await app.idle();
   mountCheck(byId("check"), app);
   const screen = mountScreen(byId("screen"), app);
@@ -110,6 +113,7 @@ function answered(app, { note, author }) {
 function unsupported(fault) {
   const known = {
     "no webgl2": "webgl", "no float targets": "float", "no memory": "memory", "few targets": "targets",
+    "no inflation": "inflation",
   };
   const reason = known[fault.reason] ?? "unknown";
   byId("main").dataset.state = "unsupported";
@@ -123,7 +127,7 @@ function arrange(app, canvas) {
   const shows = [banner(app, app.proof.messages), tools(app, () => life.open()),
     controls(app, app.proof.content.drawing?.lamps ?? [app.present.lamp.illuminant]), thread(app)];
   const reading = readout(app), life = lifeSize(app);
-  byId("look").append(make("p", { id: "keys", class: "quiet keys", text: say("canvas.keys") }));
+  byId("look").append(make("p", { id: "keys", class: "quiet keys", text: say(byTouch() ? "canvas.touch" : "canvas.keys") }));
   app.onChange(() => shows.forEach((show) => show()));
   app.onRest.push(() => reading.show());
   listen(canvas, Object.assign(Object.create(app), {

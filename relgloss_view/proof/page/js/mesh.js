@@ -4,6 +4,7 @@
 import { valuesOf } from "./layers.js";
 import { cross3, dot3, minus3, norm3, plus3, scaled3 } from "./vectors.js";
 
+const CORNER_NUMBERS = 11; // of a vertex
 const LEAST_COSINE = 1e-4; // to the eye, below which an interpolated normal is bent towards it
 
 /** A mesh of a drawing.
@@ -95,8 +96,11 @@ export function hidesBacks(mesh, view) {
   return mesh.closed && view.eye_m.some((x, k) => Math.abs(x) > 1.01 * mesh.half_extent_m[k]);
 }
 
-/** How mesh.vert draws a view into a target that holds a box of the picture's pixels: triangles.projection. */
-export function projection(mesh, view, [left, bottom, right, top]) {
+/** How mesh.vert draws a view into a target that holds a box of the picture's pixels: triangles.projection.
+ *
+ * texels: of the target, along each side of a pixel.
+ */
+export function projection(mesh, view, [left, bottom, right, top], texels = 1) {
   const sides = [right - left, top - bottom];
   const along = [view.right, view.up, view.forward].map((axis) => dot3(axis, view.eye_m));
   const distance = -along[2];
@@ -110,22 +114,26 @@ export function projection(mesh, view, [left, bottom, right, top]) {
   return {
     eye_axes: [...view.right, ...view.up, ...view.forward],
     eye_along: along,
+    target_px: sides.map((side) => texels * side),
     mesh_frame: [...scale, ...shift],
     mesh_depth: [slope, slope * distance - (2 * far * near) / (far - near)],
   };
 }
 
-/** Triangles as vertices: of each triangle three points, and its number counted from 1. */
+/** Triangles as vertices: for each corner all three, the triangle's number from 1, the corner's from 0. */
 export function listedTriangles({ points, triangles }, numbers = null) {
   const count = numbers ? numbers.length : triangles.length / 3;
-  const rows = new Float32Array(12 * count);
+  const rows = new Float32Array(3 * CORNER_NUMBERS * count);
+  let to = 0;
   for (let n = 0; n < count; n++) {
     const triangle = numbers ? numbers[n] : n;
-    for (let k = 0; k < 3; k++) {
-      const from = 3 * triangles[3 * triangle + k];
-      const to = 4 * (3 * n + k);
-      for (let c = 0; c < 3; c++) rows[to + c] = points[from + c];
-      rows[to + 3] = n + 1;
+    for (let corner = 0; corner < 3; corner++) {
+      for (let k = 0; k < 3; k++) {
+        const from = 3 * triangles[3 * triangle + k];
+        for (let c = 0; c < 3; c++) rows[to++] = points[from + c];
+      }
+      rows[to++] = n + 1;
+      rows[to++] = corner;
     }
   }
   return rows;
@@ -153,11 +161,10 @@ export class TriangleBuffer {
       this._program = program.handle;
       gl.bindVertexArray(this._vao);
       gl.bindBuffer(gl.ARRAY_BUFFER, this._buffer);
-      [["place_m", 3, 0], ["number", 1, 12]].forEach(([name, size, offset]) => {
+      [["first_m", 3, 0], ["second_m", 3, 12], ["third_m", 3, 24], ["which", 2, 36]].forEach(([name, size, offset]) => {
         const location = gl.getAttribLocation(program.handle, name);
-        if (location < 0) return;
         gl.enableVertexAttribArray(location);
-        gl.vertexAttribPointer(location, size, gl.FLOAT, false, 16, offset);
+        gl.vertexAttribPointer(location, size, gl.FLOAT, false, 4 * CORNER_NUMBERS, offset);
       });
     }
     return { vao: this._vao, count: this.count };

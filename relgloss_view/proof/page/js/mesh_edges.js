@@ -3,7 +3,8 @@
 import { TriangleBuffer, hidesBacks, projection } from "./mesh.js";
 
 const PART_PX = 2048; // side of the parts in which the silhouette is looked for
-const BLOCK_PX = 4; // side in pixels of what besideEdges looks at
+const BLOCK_PX = 2; // side in pixels of what besideEdges looks at
+const BESIDE_PX = 1 / 64; // by which bounds are larger: corners are drawn up to 1/512 beside their place
 const EDGE_MARK = 1; // as in mesh_edge.frag, of 255
 
 /** Draw the coverage target of a view, inside its bounds. target: r8 with a depth buffer; triangles: of the mesh. */
@@ -34,10 +35,7 @@ export function drawCoverage(device, target, mesh, triangles, view, edgeRays) {
   try {
     device.draw({
       stage: "mesh_places.frag",
-      uniforms: {
-        ...projection(mesh, view, [0, 0, ...view.size]),
-        per_target: view.size.map((side) => 1 / side),
-      },
+      uniforms: projection(mesh, view, [0, 0, ...view.size]),
       target,
       scissor: view.bounds,
       geometry: part,
@@ -56,7 +54,7 @@ function drawMask(device, target, mesh, triangles, view, [left, bottom, right, t
   const wider = [left - 0.25, bottom - 0.25, right + 0.25, top + 0.25];
   device.draw({
     stage: "mesh.frag",
-    uniforms: projection(mesh, view, wider),
+    uniforms: projection(mesh, view, wider, 2),
     target,
     geometry: triangles,
     culls: hidesBacks(mesh, view),
@@ -65,6 +63,7 @@ function drawMask(device, target, mesh, triangles, view, [left, bottom, right, t
 
 /** Numbers of the triangles whose bounds in the picture come near a marked pixel.
  *
+ * Of a closed mesh those seen from behind are left out: the others cover the same places.
  * coverage: four bytes a pixel inside the view's bounds, rows from the bottom.
  */
 export function besideEdges(mesh, view, coverage) {
@@ -88,14 +87,15 @@ export function besideEdges(mesh, view, coverage) {
   const places = projectedPlaces(mesh.points, view);
   const { triangles, count } = mesh;
   const found = [];
+  const hidden = hidesBacks(mesh, view);
   const ends = [0, 0, 0, 0]; // lowest and highest column of blocks, and row
   for (let n = 0; n < count; n++) {
     const [a, b, c] = [3 * triangles[3 * n], 3 * triangles[3 * n + 1], 3 * triangles[3 * n + 2]];
     for (let k = 0; k < 2; k++) {
       const [p, q, r] = [places[a + k], places[b + k], places[c + k]];
       const limit = k ? down : across;
-      const low = Math.floor((Math.min(p, q, r) - 1) / BLOCK_PX);
-      const high = Math.ceil((Math.max(p, q, r) + 1) / BLOCK_PX);
+      const low = Math.floor((Math.min(p, q, r) - BESIDE_PX) / BLOCK_PX);
+      const high = Math.ceil((Math.max(p, q, r) + BESIDE_PX) / BLOCK_PX);
       ends[2 * k] = Math.min(Math.max(low, 0), limit);
       ends[2 * k + 1] = Math.min(Math.max(high, 0), limit);
     }
@@ -104,9 +104,19 @@ export function besideEdges(mesh, view, coverage) {
     const x1 = behind ? across : ends[1];
     const y0 = wide * (behind ? 0 : ends[2]);
     const y1 = wide * (behind ? down : ends[3]);
-    if (sums[y1 + x1] - sums[y0 + x1] - sums[y1 + x0] + sums[y0 + x0] > 0) found.push(n);
+    if (sums[y1 + x1] - sums[y0 + x1] - sums[y1 + x0] + sums[y0 + x0] <= 0) continue;
+    if (behind || !hidden || !turnedAway(places, a, b, c)) found.push(n);
   }
   return Uint32Array.from(found);
+}
+
+// Whether a triangle runs clockwise, also where each corner moves by BESIDE_PX.
+function turnedAway(places, a, b, c) {
+  const [ux, uy] = [places[b] - places[a], places[b + 1] - places[a + 1]];
+  const [vx, vy] = [places[c] - places[b], places[c + 1] - places[b + 1]];
+  const [wx, wy] = [places[a] - places[c], places[a + 1] - places[c + 1]];
+  const around = [ux, uy, vx, vy, wx, wy].reduce((sum, side) => sum + Math.abs(side), 0);
+  return ux * vy - uy * vx < -(around * BESIDE_PX + 4 * BESIDE_PX ** 2);
 }
 
 // Column, row from the bottom and depth of each point.

@@ -1,6 +1,9 @@
 // Scaling of L_s*, alike in both pictures. The twin of picture/frame.py `Scaling.of` and of
 // picture/pair.py.
 
+/** Of a proof: the sample that both hold, and the design. Twin: proof/settings.py. */
+export const SIDES = ["reference", "test"];
+
 /** The factor of all c, 0 to 1, with which no picture clips; contrasts: [[c, c_max or null], ...]. */
 export function commonFactor(contrasts) {
   let factor = 1;

@@ -92,10 +92,10 @@ export class Passes {
     }
   }
 
-  /** Scale by c and show; returns whether there was anything to draw. */
-  tone(request, c) {
+  /** Scale by c and show, with smooth silhouettes or not; returns whether there was anything to draw. */
+  tone(request, c, edged = true) {
     try {
-      return this._drawTone(request, c);
+      return this._drawTone(request, c, edged);
     } catch (error) {
       this._clean();
       throw error;
@@ -215,10 +215,10 @@ export class Passes {
     this._count("grain");
   }
 
-  _drawTone(request, c) {
+  _drawTone(request, c, edged) {
     const { size, samples, view } = request;
     const defines = this.display.tone[samples > 1 ? "several" : "one"];
-    const smooth = this.display.edges === "smooth" && samples === 1;
+    const smooth = edged && this.display.edges === "smooth" && samples === 1;
     if (smooth) this._findEdges(request);
     if (!this.held.renew("tone", defines, c, smooth)) return false;
     const images = { split_image: this._textures.split };

@@ -46,38 +46,41 @@ function joinedBytes(parts) {
   return bytes;
 }
 
-// The five filters, undone in place; `step` is the distance in bytes to the pixel on the left.
+// The five filters, undone; `step` is the distance in bytes to the pixel on the left.
 function unfiltered(data, height, line, step) {
   const rows = new Uint8Array(height * line);
+  let before = new Uint8Array(line);
   for (let y = 0; y < height; y++) {
-    const from = y * (line + 1);
-    const to = y * line;
-    const filter = data[from];
-    rows.set(data.subarray(from + 1, from + 1 + line), to);
-    if (filter === 1) {
-      for (let k = step; k < line; k++) rows[to + k] += rows[to + k - step];
-    } else if (filter === 2 && y > 0) {
-      for (let k = 0; k < line; k++) rows[to + k] += rows[to + k - line];
-    } else if (filter === 3) {
-      for (let k = 0; k < line; k++) {
-        const left = k < step ? 0 : rows[to + k - step];
-        rows[to + k] += (left + (y > 0 ? rows[to + k - line] : 0)) >> 1;
-      }
-    } else if (filter === 4) {
-      for (let k = 0; k < line; k++) {
-        const a = k < step ? 0 : rows[to + k - step];
-        const b = y > 0 ? rows[to + k - line] : 0;
-        const c = k < step || y === 0 ? 0 : rows[to + k - line - step];
-        const pa = Math.abs(b - c);
-        const pb = Math.abs(a - c);
-        const pc = Math.abs(a + b - 2 * c);
-        rows[to + k] += pa <= pb && pa <= pc ? a : pb <= pc ? b : c;
-      }
-    } else if (filter > 4) {
-      throw new Error("a damaged PNG");
-    }
+    const filter = data[y * (line + 1)];
+    const coded = data.subarray(y * (line + 1) + 1, (y + 1) * (line + 1));
+    const row = rows.subarray(y * line, (y + 1) * line);
+    if (filter > 4) throw new Error("a damaged PNG");
+    if (filter === 0) row.set(coded);
+    else if (filter === 2) for (let k = 0; k < line; k++) row[k] = coded[k] + before[k];
+    else for (let first = 0; first < step; first++) unfilteredBytes(row, coded, before, filter, first, step);
+    before = row;
   }
   return rows;
+}
+
+// One byte of each pixel of a row, by the filters that look to the left.
+function unfilteredBytes(row, coded, before, filter, first, step) {
+  let a = 0; // on the left
+  let c = 0; // above it
+  if (filter === 1) {
+    for (let k = first; k < row.length; k += step) row[k] = a = (coded[k] + a) & 255;
+  } else if (filter === 3) {
+    for (let k = first; k < row.length; k += step) row[k] = a = (coded[k] + ((a + before[k]) >> 1)) & 255;
+  } else {
+    for (let k = first; k < row.length; k += step) {
+      const b = before[k];
+      const pa = Math.abs(b - c);
+      const pb = Math.abs(a - c);
+      const pc = Math.abs(a + b - 2 * c);
+      row[k] = a = (coded[k] + (pa <= pb && pa <= pc ? a : pb <= pc ? b : c)) & 255;
+      c = b;
+    }
+  }
 }
 
 function wideSamples(rows) {

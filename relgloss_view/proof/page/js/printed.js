@@ -62,8 +62,8 @@ function grouped({ width, height, channels }, count, group) {
   if (count === 4 && group === 0) return channels;
   const padded = new Uint8Array(4 * width * height);
   const own = Math.min(4, count - 4 * group);
-  for (let n = 0; n < width * height; n++) {
-    for (let c = 0; c < own; c++) padded[4 * n + c] = channels[n * count + 4 * group + c];
+  for (let c = 0; c < own; c++) {
+    for (let to = c, from = 4 * group + c; to < padded.length; to += 4, from += count) padded[to] = channels[from];
   }
   return padded;
 }

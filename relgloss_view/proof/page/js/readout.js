@@ -1,22 +1,23 @@
 // The colour of the pixel under the pointer or the keys.
 
-import { byId, make } from "./dom.js";
+import { byId, byTouch, make } from "./dom.js";
 import { figure, say } from "./words.js";
 
 const KEY_STEP = 1, KEY_LEAP = 16; // CSS pixels of an arrow, and with Shift
 
 /** The readout below the canvas. app: pictureAt(x, y), colour(side, x, y). Returns its functions. */
 export function readout(app) {
-  const text = make("output", { id: "readout", class: "readout", text: say("read.how") });
+  const how = say(byTouch() ? "read.how-touch" : "read.how");
+  const text = make("output", { id: "readout", class: "readout", text: how });
   const mark = make("span", { id: "mark", class: "mark", hidden: true, "aria-hidden": "true" });
   byId("stage").append(mark);
   byId("view").after(text);
   let at = null;
   function show() {
     const pixel = at === null ? null : app.pictureAt(...at);
-    mark.hidden = at === null;
+    mark.hidden = at === null || app.mode() !== "read"; // elsewhere a pointer's own sign is enough
     if (at === null) {
-      text.textContent = say("read.how");
+      text.textContent = how;
       return;
     }
     mark.style.setProperty("left", `${at[0]}px`);

@@ -6,6 +6,16 @@ const FIRST_BLOCK = 4; // small, so that a software driver's threads share the w
 const FURTHER_BLOCK = 16;
 const READ_SIDE = 16; // further steps would cost more than reading so few results
 
+/** Sides of the blocks that the steps of a reduction join, the first one of pixels. */
+export function blocksOf(size) {
+  const blocks = [FIRST_BLOCK];
+  for (let sides = shrunk(size, FIRST_BLOCK); Math.max(...sides) > READ_SIDE; ) {
+    blocks.push(FURTHER_BLOCK);
+    sides = shrunk(sides, FURTHER_BLOCK);
+  }
+  return blocks;
+}
+
 export class Reduction {
   constructor(device) {
     this.device = device;
@@ -15,15 +25,13 @@ export class Reduction {
   /** Make room for pictures of a size. */
   resize(size) {
     this.release();
-    let block = FIRST_BLOCK;
     let sides = size;
-    while (this._steps.length === 0 || Math.max(...sides) > READ_SIDE) {
+    for (const block of blocksOf(size)) {
       sides = shrunk(sides, block);
       const textures = [0, 1].map(() => this.device.texture(sides[0], sides[1], "rgba32f"));
       // WebGL draws nothing where a stage leaves one of the target's textures out.
       const both = this.device.target(textures);
       this._steps.push({ 2: both, 1: this.device.target(textures.slice(0, 1)) });
-      block = FURTHER_BLOCK;
     }
   }
 
@@ -62,11 +70,6 @@ export class Reduction {
       count += results[0][k + 1];
     }
     return [largest, count];
-  }
-
-  /** Compile what a reduction needs beside its first step. */
-  begin(further) {
-    for (const block of [FURTHER_BLOCK]) this.device.begin(further, { BLOCK: block });
   }
 
   _run([stage, defines, uniforms], further, names, region) {

@@ -5,11 +5,18 @@ import { say } from "./words.js";
 
 const NAME_LENGTH = 12; // digits of a digest that are shown
 const LONGEST_STEM = 60; // characters of a file's name
+const MOST_NOTE = 20000, MOST_NAME = 200; // characters that a message can have
 
 /** A name for the answer's file: the title, and which message of the thread it is. */
 export function fileName(title, number) {
   const stem = title.normalize("NFC").replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-+|-+$/g, "");
   return `${stem.slice(0, LONGEST_STEM) || "proof"}-${number}.html`;
+}
+
+/** A name that a browser opens as a page. */
+export function withEnding(name) {
+  const stem = name.trim().replace(/[. ]+$/, "");
+  return /\.html?$/i.test(stem) ? stem : `${stem || "proof"}.html`;
 }
 
 /** The form of an answer. app: proof, digest, settings(), changed(), screen, answered(message). */
@@ -19,12 +26,17 @@ export function reply(app) {
     saved = false;
     status.textContent = "";
   };
-  const note = make("textarea", { id: "reply-note", class: "field", rows: 4, on: { input: touch } });
+  const note = make("textarea", {
+    id: "reply-note", class: "field", rows: 4, maxlength: MOST_NOTE, autocapitalize: "sentences",
+    on: { input: touch },
+  });
   const name = make("input", {
-    id: "reply-name", class: "field", autocomplete: "name", on: { input: touch },
+    id: "reply-name", class: "field", autocomplete: "name", autocapitalize: "words",
+    maxlength: MOST_NAME, enterkeyhint: "next", on: { input: touch },
   });
   const file = make("input", {
-    id: "reply-file", class: "field", spellcheck: "false",
+    id: "reply-file", class: "field", spellcheck: "false", autocapitalize: "none",
+    autocorrect: "off", enterkeyhint: "done",
     value: fileName(app.proof.content.title ?? "", app.proof.messages.length + 1),
   });
   const status = make("p", { id: "reply-status", class: "quiet", role: "status" });
@@ -33,7 +45,8 @@ export function reply(app) {
     on: {
       click: () => {
         const html = app.answered({ note: note.value.trim(), author: name.value.trim() });
-        download(html, file.value.trim() || "proof.html");
+        file.value = withEnding(file.value);
+        download(html, file.value);
         saved = true;
         app.saved();
         status.textContent = say("reply.saved", { file: file.value });

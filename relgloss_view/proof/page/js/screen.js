@@ -1,6 +1,7 @@
 // The maker's screen: what it shows of black, white and grays, and what that changes.
 
 import { make } from "./dom.js";
+import { SIDES } from "./pair.js";
 import {
   BRIGHT_STEPS, DARK_STEPS, STEP_LSTAR, blackBounds, clippedFrom, designersScreen, differences,
   highlightsOf, orderOfGloss, orderWords, patternGamma, possibleGammas, signalOf, unknownScreen,
@@ -28,8 +29,11 @@ export function mountScreen(element, app) {
     update();
   };
   const update = () => {
-    order.replaceChildren(make("h3", { text: say("screen.order.title") }),
-      ...ordered(app, screenOf(answers), theirs).map(sentence));
+    const sentences = ordered(app, screenOf(answers), theirs).map(sentence);
+    const words = (list) => [...list].map((line) => line.textContent).join("\n");
+    // What is put into it again would be read out again, whenever a slider rests.
+    if (words(order.querySelectorAll("p")) === words(sentences) && order.hasChildNodes()) return;
+    order.replaceChildren(make("h3", { text: say("screen.order.title") }), ...sentences);
   };
   const note = (name) => (value) => {
     answers[name] = value;
@@ -78,7 +82,7 @@ function ordered(app, mine, theirs) {
   const pairs = {};
   try {
     const off = 0.5 * app.engine.drawing.numbers.OFF_OBJECT;
-    for (const side of ["reference", "test"]) {
+    for (const side of SIDES) {
       const split = app.engine.split(side);
       const l_d = [];
       const l_s = [];
@@ -88,7 +92,7 @@ function ordered(app, mine, theirs) {
           l_s.push(split[k + 1]);
         }
       }
-      pairs[side] = highlightsOf(l_d, l_s, app.engine._drawn.result[side].c);
+      pairs[side] = highlightsOf(l_d, l_s, app.engine.report[side].c);
     }
   } catch (fault) {
     console.warn(fault);
@@ -199,6 +203,7 @@ function pattern(name) {
   });
   const draw = (scale) => {
     slider.style.setProperty("--at", (slider.value - 96) / (240 - 96));
+    slider.setAttribute("aria-valuetext", say("screen.gamma.value", { value: slider.value }));
     const place = canvas.parentElement.getBoundingClientRect();
     const width = Math.floor(place.width * scale);
     const height = Math.round(96 * scale);

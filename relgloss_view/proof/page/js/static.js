@@ -1,9 +1,8 @@
 // The static body of a reply: twin of proof/page/static.py for what a message adds.
 
 import { splitPage } from "./canonical.js";
+import { SIDES } from "./pair.js";
 import { say } from "./words.js";
-
-const FRONT_SIDES = ["reference", "test"];
 
 /** A number with three significant digits at most. */
 export function shortNumber(value) {
@@ -20,7 +19,7 @@ function plainText(text) {
 export function settingsRows(settings) {
   const { eye, lamp } = settings;
   return [
-    ...FRONT_SIDES.map((side) => [say(`side.${side}`), say("settings.of-side", {
+    ...SIDES.map((side) => [say(`side.${side}`), say("settings.of-side", {
       grain: shortNumber(settings[side].sigma_n_deg), contrast: shortNumber(settings[side].c),
     })]),
     [say("settings.lamp"), say("settings.lamp-place", {
@@ -46,16 +45,24 @@ export function withStatic(html, message) {
 export function bringUpToDate(part, messages) {
   const list = part.querySelector("#thread ol"), shown = list.querySelectorAll("li").length;
   if (shown === messages.length) return;
-  for (const message of messages.slice(shown)) list.append(messageItem(part, message), "\n");
-  const newest = messages.at(-1), panel = part.getElementById("panel");
-  panel.querySelector(".byline").replaceWith(messageByline(part, newest));
+  messages.slice(shown).forEach((message, k) => {
+    const number = shown + k + 1, before = messages[number - 2]?.settings ?? null;
+    list.append(messageItem(part, message, number, before), "\n");
+  });
+  putInPanel(part, messages.at(-1), messages.length);
+}
+
+/** The byline and the note of a message beside the pictures; number: of the message, from 1. */
+export function putInPanel(part, message, number) {
+  const panel = part.getElementById("panel");
+  panel.querySelector(".byline").replaceWith(messageByline(part, message, number));
   const note = panel.querySelector("blockquote");
   if (note !== null) {
     note.nextSibling.remove();
     note.remove();
   }
-  if (newest.note) {
-    part.getElementById("controls").before(madeIn(part, "blockquote", "note", newest.note), "\n");
+  if (message.note) {
+    part.getElementById("controls").before(madeIn(part, "blockquote", "note", message.note), "\n");
   }
 }
 
@@ -66,9 +73,9 @@ function madeIn(part, tag, name, text) {
   return made;
 }
 
-function messageByline(part, message) {
+function messageByline(part, message, number) {
   const line = madeIn(part, "p", "byline", message.author
-    ? say("message.from", { name: message.author }) : say("message.unnamed"));
+    ? say("message.from", { number, name: message.author }) : say("message.unnamed", { number }));
   line.append(" ");
   if (/^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$/.test(message.made)) {
     const time = madeIn(part, "time", "", message.made.replace(/^(.{10})T(.{5}).*$/, "$1 $2 UTC"));
@@ -78,15 +85,18 @@ function messageByline(part, message) {
   return line;
 }
 
-function messageItem(part, message) {
+// Of the settings, what differs from those of the message before.
+function messageItem(part, message, number, before) {
   const item = madeIn(part, "li", "message"), rows = madeIn(part, "dl", "settings");
-  rows.append(...settingsRows(message.settings).map(([name, value]) => {
+  const known = new Set(before === null ? [] : settingsRows(before).map(String));
+  const other = settingsRows(message.settings).filter((row) => !known.has(String(row)));
+  rows.append(...other.map(([name, value]) => {
     const row = part.createElement("div");
     row.append(madeIn(part, "dt", "", name), madeIn(part, "dd", "", value));
     return row;
   }));
-  item.append(messageByline(part, message), "\n");
+  item.append(messageByline(part, message, number), "\n");
   if (message.note) item.append(madeIn(part, "p", "said", message.note), "\n");
-  item.append(rows, "\n");
+  item.append(other.length > 0 ? rows : madeIn(part, "p", "quiet", say("settings.same")), "\n");
   return item;
 }

@@ -10,8 +10,8 @@ import { printedTextures } from "./printed.js";
 
 const meshes = new WeakMap(); // of a drawing's JSON, so that both sides share one
 
-/** The form of a side, or null where rays meet its shape. files: of the content. */
-export async function openForm(device, drawing, name, files) {
+/** The form of a side, without what is printed on it; null where rays meet its shape. */
+export async function openForm(device, drawing, name) {
   const side = drawing.sides[name];
   const { surface } = side;
   if (!surface) return null;
@@ -22,17 +22,23 @@ export async function openForm(device, drawing, name, files) {
   if (content && !meshes.has(content)) meshes.set(content, meshOf(content));
   const mesh = content && (await meshes.get(content));
   if (mesh) side.shape.outline_m = mesh.outline_m;
-  const { printed } = surface;
-  const layers = printed && (await layersOf(printed, files));
-  const partTable = printed && (await valuesOf(printed.part_table));
-  return new Form(side, drawing.numbers, { mesh, layers, partTable });
+  return new Form(side, drawing.numbers, mesh);
 }
 
 /** What a side's surface is drawn from: its mesh and its layers, and their copies on the device. */
 class Form {
-  constructor(side, numbers, { mesh, layers, partTable }) {
-    Object.assign(this, { side, numbers, mesh, layers, partTable, targets: side.surface.targets });
+  constructor(side, numbers, mesh) {
+    Object.assign(this, { side, numbers, mesh, targets: side.surface.targets });
+    this.layers = this.partTable = null;
     this._held = null;
+  }
+
+  /** Decode what is printed; files: of the content. */
+  async print(files) {
+    const { printed } = this.side.surface;
+    if (!printed) return;
+    this.layers = await layersOf(printed, files);
+    this.partTable = await valuesOf(printed.part_table);
   }
 
   /** A surface of this form, for one picture. */
@@ -88,6 +94,16 @@ class Surface {
     return finishTables(this.form.side, lampName);
   }
 
+  /** [[stage, constants], ...] that the surface of a picture is drawn by. */
+  stages(request) {
+    const surface = ["surface.frag", this._defines(request)];
+    return this.form.mesh ? [["mesh.frag", {}], surface] : [surface];
+  }
+
+  _defines({ variant, seen }) {
+    return { ...variant.surface_pass, ...seen, ...this.form.side.surface.defines };
+  }
+
   /** The numbers of the material, or of the finishes. */
   material({ sigmaNDeg, lampName }) {
     const { side } = this.form;
@@ -132,7 +148,8 @@ class Surface {
   }
 
   // Draw a tile unless it is held; what reads it.
-  _tile({ view, seenFrom, seen, variant }, tile, samples) {
+  _tile(request, tile, samples) {
+    const { view, seenFrom } = request;
     const { device, form } = this;
     const size = [samples * (tile[2] - tile[0]), samples * (tile[3] - tile[1])];
     const [left, bottom] = [samples * tile[0], samples * tile[1]];
@@ -141,7 +158,7 @@ class Surface {
       per_surface: size.map((side) => 1 / side),
       samples,
     };
-    const defines = { ...variant.surface_pass, ...seen, ...form.side.surface.defines };
+    const defines = this._defines(request);
     const key = JSON.stringify([seenFrom, defines, tile, samples]);
     if (key !== this._key) {
       this._key = null;
@@ -150,7 +167,7 @@ class Surface {
       const reached = reachedPart(tile, view.bounds);
       const box = reached.map((place, k) => samples * place - (k % 2 ? bottom : left));
       const inputs = { ...seenFrom, ...where, ...held.uniforms };
-      if (form.mesh) inputs.triangle_image = this._drawTriangles(held.triangles, view, tile, box);
+      if (form.mesh) inputs.triangle_image = this._drawTriangles(held.triangles, view, tile, box, samples);
       device.draw({ stage: "surface.frag", defines, uniforms: inputs, target: this._target, scissor: box });
       this._key = key;
       this.drawn += 1;
@@ -172,13 +189,13 @@ class Surface {
     }
   }
 
-  _drawTriangles(triangles, view, tile, box) {
+  _drawTriangles(triangles, view, tile, box, samples) {
     const { device, form } = this;
     const { gl } = device;
     clearBox(gl, this._triangles, box);
     device.draw({
       stage: "mesh.frag",
-      uniforms: projection(form.mesh, view, tile),
+      uniforms: projection(form.mesh, view, tile, samples),
       target: this._triangles,
       scissor: box,
       geometry: triangles,

@@ -1,6 +1,7 @@
 // The thread of messages: whose settings one looks at is always said, and each is a click away.
 
 import { byId, make } from "./dom.js";
+import { putInPanel } from "./static.js";
 import { moment, say } from "./words.js";
 
 /** Times of the static page in the reader's own zone. */
@@ -22,6 +23,12 @@ export function signatures(checked) {
   for (const { message, fingerprint, state } of checked) {
     items[message]?.append(make("p", { class: "quiet signed", text: say(`signed.${state}`, { key: fingerprint }) }));
   }
+  if (checked.length === 0) return;
+  // Beside a signed message, one of somebody else's would look signed.
+  const signed = new Set(checked.map(({ message }) => message));
+  items.forEach((item, k) => {
+    if (!signed.has(k)) item.append(make("p", { class: "quiet signed", text: say("signed.none") }));
+  });
 }
 
 /** Buttons in the thread that show a message's settings. Returns show(), which marks the present. */
@@ -56,14 +63,19 @@ export function banner(app, messages) {
   });
   const element = make("div", { id: "banner", class: "banner" }, words, back);
   byId("view").prepend(element);
+  let inPanel = messages.length - 1;
   return () => {
     const changed = app.changed(), k = app.at(), last = messages.length - 1;
+    if (k !== inPanel) {
+      putInPanel(document, messages[k], k + 1);
+      localTimes();
+      inPanel = k;
+    }
     const values = { name: authorOf(messages[k]), number: k + 1, count: messages.length };
     const key = changed ? "banner.changed" : k === last ? "banner.sent" : "banner.earlier";
     what.textContent = say(key);
-    const single = changed ? "banner.changed-who" : "banner.who";
-    const several = changed ? "banner.changed-which" : "banner.which";
-    who.textContent = say(last > 0 ? several : single, values);
+    const newest = k === last && last > 0 ? "banner.newest" : "banner.which";
+    who.textContent = say(changed ? "banner.changed-which" : newest, values);
     element.dataset.changed = String(changed);
     back.setAttribute("aria-pressed", String(!changed));
   };

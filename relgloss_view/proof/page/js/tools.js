@@ -1,7 +1,7 @@
 // The tools below the pictures, the handle of the wipe and the button that flips.
 
 import { byId, make, segments } from "./dom.js";
-import { SIDES } from "./layout.js";
+import { SIDES } from "./pair.js";
 import { say } from "./words.js";
 
 const KEY_SHARE = 0.02; // of an arrow on the wipe's handle
@@ -35,6 +35,7 @@ export function tools(app, openLife) {
     if (first === null) return;
     handle.style.setProperty("left", `${first.box[0] + share * first.box[2]}px`);
     handle.setAttribute("aria-valuenow", String(Math.round(100 * share)));
+    handle.setAttribute("aria-valuetext", say("tools.share", { share: Math.round(100 * share) }));
     for (const name of names) {
       const shownHere = app.panes.find((pane) => pane.side === name.dataset.side);
       name.hidden = shownHere === undefined;

@@ -71,6 +71,14 @@ export class View {
   }
 }
 
+/** The eye that frames the objects of a drawing, each as large beside the other as it would be. */
+export function atOneScale({ one_form, sides, numbers }, eye, size) {
+  if (one_form || (eye.field_of_view_deg ?? null) !== null) return eye;
+  const steps = Object.values(sides).map(({ shape }) => View.of(shape, eye, size, numbers).pixelStep);
+  const half = 0.5 * size[1] * Math.max(...steps);
+  return { ...eye, field_of_view_deg: (360 / Math.PI) * Math.atan(half) };
+}
+
 /** Whether float32 rays from the eye would blur the object by a visible share of a pixel. */
 export function fromAfar(shape, eye, numbers) {
   if (!shape.analytic) return false;

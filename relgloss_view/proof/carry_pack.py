@@ -1,4 +1,4 @@
-"""Carried: a pack's artwork, masks and mesh as files that another program reads exactly.
+"""Carry a pack: its artwork, masks, materials and mesh as files that any program reads exactly.
 
 An artwork may be a PDF of plates, or larger than a page can show. What goes along is its colours as
 they are printed, in 8 bits a channel of an RGB space whose profile is in the file, and the masks of
@@ -28,6 +28,8 @@ from relgloss_view.display.display import Display
 from relgloss_view.display.icc_writing import profile_of
 from relgloss_view.material.cielab import lab_from_xyz
 from relgloss_view.material.difference import delta_e_2000
+from relgloss_view.material.files import save_material
+from relgloss_view.material.material import Material
 from relgloss_view.pack.artwork.artwork import Artwork
 from relgloss_view.pack.artwork.raster import MM_PER_INCH, area_means
 from relgloss_view.pack.finish import Finish
@@ -36,6 +38,7 @@ from relgloss_view.pack.masks import ARTWORK, EVERYWHERE, PART, mask_of
 from relgloss_view.pack.measured import AT_45_0, lobes_in_artwork
 from relgloss_view.pack.pack import MEASURED, Pack
 from relgloss_view.pack.pack_file import read_pack, write_pack
+from relgloss_view.picture.model.tone import srgb_encode
 
 #: Spaces of carried artwork, from the smallest; all have sRGB's curve, of fine steps in the dark.
 SPACES: dict[str, tuple[tuple[float, float], ...]] = {
@@ -46,6 +49,7 @@ SPACES: dict[str, tuple[tuple[float, float], ...]] = {
 }
 #: Linear light beyond a space that counts as inside it: the half floats of an artwork are as rough.
 NEARLY = 1e-3
+MATERIALS = "materials"  #: the folder of material files, within that of the others
 ROWS = 64  #: that are coded together
 BODY, _ = MEASURED
 MOST_MESH_BYTES = 16 << 20
@@ -109,6 +113,13 @@ def carried_pack(
     return read_pack(own), tuple(notes)
 
 
+def put_material(material: Material, folder: Path, stem: str) -> str:
+    """Write a material among the files; its path."""
+    file = folder / MATERIALS / f"{stem}.json"
+    save_material(material, file)
+    return str(file)
+
+
 def _scaled(pack: Pack, most_px: int, notes: list[str]) -> Pack:
     """The pack with an artwork of at most so many pixels, its plates on the same ones."""
     artwork = pack.artwork
@@ -148,8 +159,6 @@ def _finishes(
     pack: Pack, folder: Path, side: str, most_px: int
 ) -> tuple[tuple[Finish, ...], dict[str, Bytes]]:
     """The finishes with materials and masks in the folder, and the masks by their files."""
-    from relgloss_view.proof.carry import put_material
-
     size = _mask_size(pack, most_px)
     files: dict[tuple[tuple[int, ...], bytes], str] = {}
     masks: dict[str, Bytes] = {}
@@ -234,7 +243,7 @@ def coded_paint(paint: Floats, has_alpha: bool) -> Coded:
         checkpoint()
         xyz, alpha = _plain(strip)
         light = xyz @ inverses[first].T
-        rgb = np.rint(255.0 * _encoded(np.clip(light, 0.0, 1.0))).astype(np.uint8)
+        rgb = np.rint(255.0 * srgb_encode(np.clip(light, 0.0, 1.0))).astype(np.uint8)
         rows = rgba[k * ROWS : k * ROWS + len(strip)]
         rows[..., :3] = rgb
         if has_alpha:
@@ -281,13 +290,6 @@ def _plain(paint: Array) -> tuple[Array, Array]:
 
 def _outside(light: Array) -> Array:
     return np.asarray(((light < -NEARLY) | (light > 1.0 + NEARLY)).any(axis=-1))
-
-
-def _encoded(light: Array) -> Array:
-    """sRGB's values of linear light; IEC 61966-2-1."""
-    return np.where(
-        light <= 0.0031308, 12.92 * light, 1.055 * np.maximum(light, 0.0) ** (1.0 / 2.4) - 0.055
-    )
 
 
 def _write(file: Path, values: Bytes, artwork: Artwork | None = None, icc: bytes = b"") -> None:
