@@ -196,8 +196,8 @@ def trust(folder: Path, key: str, name: str) -> None:
     for other, other_name in keys.items():
         if other != key and _alike(other_name) == _alike(name):
             raise InputError(
-                f"--name {printable(name)}: another key, {fingerprint(other)}, has this name or one "
-                "like it; "
+                f"--name {printable(name)}: another key, {fingerprint(other)}, has this name or "
+                "one like it; "
                 "forget that key first, or choose another name"
             )
     _write(folder, {**keys, key: name.strip()})
