@@ -129,6 +129,17 @@ CASES = {
     ),
     "bench": Case(("bench", "--quick", "--size", "160x120", "-o", "bench"), ("bench",)),
     "doctor": Case(("doctor",)),
+    "proof make": Case(
+        ("proof", "make", "matte-coated", "--size", "256x256", "-o", "p.html"), ("p.html",)
+    ),
+    "proof answer": Case(
+        ("proof", "make", "in.html", "--note", "Yes", "-o", "p.html"), ("p.html",), ("in.html",)
+    ),
+    "proof check": Case(("proof", "check", "in.html"), needs=("in.html",)),
+    "proof show": Case(
+        ("proof", "show", "in.html", "--files", "files"), ("files",), ("in.html",)
+    ),
+    "proof key": Case(("proof", "key", "-o", "a.key"), ("a.key", "a.key.pub")),
     "view screenshot": Case(
         ("view", PAPER, "--screenshot", "v.png", "--frames", "20"), ("v.png",)
     ),
@@ -140,6 +151,7 @@ CASES = {
 }  # fmt: skip
 PREPARED = {
     "in.sqlite": ("experiment", "simulate", "paper", *SMALL, "--observers", "2", "-o", "in.sqlite"),
+    "in.html": ("proof", "make", "matte-coated", "--size", "256x256", "-o", "in.html"),
 }
 
 

@@ -11,6 +11,8 @@ import dataclasses
 import hashlib
 import json
 import os
+import re
+import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,6 +34,7 @@ SUFFIX = ".pub"
 MAX_KEY_BYTES, MAX_KNOWN_BYTES = 10_000, 1_000_000
 FILE = "proof-keys.json"  #: in the user's settings
 MOST_NAME = 80  #: characters of a key owner's name
+_KEY = re.compile(r"[0-9a-f]{64}")
 GROUP, GROUPS = 4, 8  #: digits of a fingerprint's group, and groups
 
 
@@ -170,9 +173,14 @@ def known_keys(folder: Path) -> dict[str, str]:
     path = folder / FILE
     if not path.exists():
         return {}
-    table: Any = read_json(path, MAX_KNOWN_BYTES, KNOWN)
+    try:
+        table: Any = read_json(path, MAX_KNOWN_BYTES, KNOWN)
+    except InputError as error:
+        raise InputError(f"{error}; remove the file, and add the keys again") from error
     keys = table.get("keys") if isinstance(table, dict) else None
-    if not isinstance(keys, dict) or not all(isinstance(name, str) for name in keys.values()):
+    if not isinstance(keys, dict) or not all(
+        _KEY.fullmatch(key) and isinstance(name, str) for key, name in keys.items()
+    ):
         raise InputError(f"{named(path)}: not {KNOWN}; remove the file, and add the keys again")
     return dict(keys)
 
@@ -186,12 +194,18 @@ def trust(folder: Path, key: str, name: str) -> None:
     if not text(name, "--name").strip() or len(name) > MOST_NAME:
         raise InputError(f"--name: expected 1 to {MOST_NAME} characters, the key's owner")
     for other, other_name in keys.items():
-        if other != key and other_name == name:
+        if other != key and _alike(other_name) == _alike(name):
             raise InputError(
-                f"--name {printable(name)}: another key, {fingerprint(other)}, has this name; "
+                f"--name {printable(name)}: another key, {fingerprint(other)}, has this name or "
+                "one like it; "
                 "forget that key first, or choose another name"
             )
-    _write(folder, {**keys, key: name})
+    _write(folder, {**keys, key: name.strip()})
+
+
+def _alike(name: str) -> str:
+    """The same for names that people take for one: other spaces, cases, forms of a letter."""
+    return " ".join(unicodedata.normalize("NFKC", name).casefold().split())
 
 
 def forget(folder: Path, name: str) -> str:
