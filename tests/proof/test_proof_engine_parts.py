@@ -213,6 +213,19 @@ def test_arrays_come_back(chromium_gl):
         assert found.tobytes() == values.tobytes()
 
 
+@pytest.mark.parametrize("shape", [[4], [2**31, 2**20], [-1], [0.5]])
+def test_an_array_that_claims_another_length_is_refused(chromium_gl, shape):
+    """64 MB of zeros in 64 kB: no more is inflated than the shape holds."""
+    open_engine(chromium_gl, pair_of(Scene(MATTE), look()))
+    bomb = packed(np.zeros(64 << 20, np.uint8)) | {"shape": shape}
+    answer = call(
+        chromium_gl,
+        "async (a) => { try { await unpacked(a); } catch (e) { return e.message; } }",
+        bomb,
+    )
+    assert answer in ("an array has the wrong length", "an array beyond all bounds")
+
+
 def test_sliders_wait_for_no_compiler(chromium_gl):
     """After `prepare`, grain and c of any value need no further program."""
     sides = pair_of(Scene(ART), look(sigma_n_deg=0.0))
