@@ -125,6 +125,14 @@ class Proof:
     """A proof: its content, the thread, and who signed what.
 
     content: JSON of content.py. messages: the first is the designer's; the last is the newest.
+
+    >>> from relgloss_view.picture.scene.setup import Eye
+    >>> from relgloss_view.proof.settings import LampPlace, PictureSetting
+    >>> sent = Settings(PictureSetting(0.0, 0.14), PictureSetting(2.0, 0.37), Eye(), LampPlace())
+    >>> proof = Proof({"title": "Can"}, (Message(sent, note="Too strong?"),))
+    >>> answer = proof.answered(Message(sent, note="A little."))
+    >>> answer.digests[0] == answer.messages[1].parent == proof.digest
+    True
     """
 
     content: Mapping[str, Any]

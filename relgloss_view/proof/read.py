@@ -62,7 +62,18 @@ def read_page(path: str | os.PathLike[str]) -> Page:
 
 
 def read_proof(path: str | os.PathLike[str]) -> Proof:
-    """The proof of a page. Raises InputError, one line, where anything of it was changed."""
+    """The proof of a page, with all its messages and the SHA-256 of each.
+
+    path: an HTML file of `relgloss proof make`, of the window or of a browser that answered. Raises
+    InputError, one line that names the file, where it is no proof or anything of it was changed.
+
+    >>> from pathlib import Path
+    >>> _ = Path("note.html").write_text("<p>hello</p>")
+    >>> read_proof("note.html")
+    Traceback (most recent call last):
+    ...
+    relgloss_view.base.errors.InputError: note.html: not a proof; give a proof (HTML, from ...
+    """
     page = read_page(path)
     try:
         return proof_of(page)

@@ -160,6 +160,12 @@ def open_proof(
 
     Raises InputError, one line that names the file, where anything of it was changed since it was
     made, or its files hold no pair.
+
+    >>> with open_proof("gone.html") as opened:
+    ...     pass
+    Traceback (most recent call last):
+    ...
+    relgloss_view.base.errors.InputError: gone.html: can't be read ...
     """
     proof = read_proof(path)
     with contextlib.ExitStack() as stack:
