@@ -100,11 +100,11 @@ def reversed_channels(digital):
 
 
 FAST = [
-    (readings(limited), "do not add: white is about 30 % darker"),
     (readings(clipped), "Whites are clipped: above 90 % of the scale of red, green and blue"),
-    (readings(reversed_channels), "exchanged: red shows blue and blue shows red"),
 ]
 SLOW = [
+    (readings(limited), "do not add: white is about 30 % darker"),
+    (readings(reversed_channels), "exchanged: red shows blue and blue shows red"),
     (readings(rgbw), "channels do not add: white is about 25 % brighter"),
     (readings(srgb, white=46.7, declared=False), "as foot-lamberts it would be 160 cd/m2"),
     (readings(clipped_blue), "Whites are clipped: above 90 % of the scale of blue"),

@@ -128,8 +128,8 @@ def peak_of(material) -> float:
     ("faults", "held_peak"),
     [
         ({"aperture": (0.5, 0.6)}, 0.9),
-        ({"alpha": 0.3}, None),
-        ({"gamma_s": 0.6}, 0.92),
+        pytest.param({"alpha": 0.3}, None, marks=pytest.mark.slow),
+        pytest.param({"gamma_s": 0.6}, 0.92, marks=pytest.mark.slow),
     ],
     ids=["apertures", "alpha", "gamma_s"],
 )

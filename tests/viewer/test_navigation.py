@@ -371,15 +371,13 @@ def run(folder, scripts):
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
-    quick = [script for title in QUICK for script in (TABS[title], MOVES.get(title)) if script]
+    quick = [TABS[title] for title in QUICK]
     return run(tmp_path_factory.mktemp("navigation"), [*quick, *OTHERS])
 
 
 @pytest.fixture(scope="module")
 def found_in_the_rest(tmp_path_factory):
-    rest = [
-        made for titles in (TABS, MOVES) for title, made in titles.items() if title not in QUICK
-    ]
+    rest = [*(TABS[title] for title in PANELS if title not in QUICK), *MOVES.values()]
     return run(tmp_path_factory.mktemp("further-panels"), rest)
 
 
@@ -405,17 +403,10 @@ def check_tabs(found, title):
     assert got["around"]
 
 
-def test_each_control_is_moved(found):
-    check_moves(found, "Look")
-
-
 @pytest.mark.slow
-def test_each_control_of_the_scene_is_moved(found_in_the_rest):
-    check_moves(found_in_the_rest, "Scene")
-
-
-def check_moves(found, title):
-    got = found[f"moves_all_{title}"]
+@pytest.mark.parametrize("title", MOVED)
+def test_each_control_is_moved(found_in_the_rest, title):
+    got = found_in_the_rest[f"moves_all_{title}"]
     assert got["unmoved"] == []
     assert got["count"] > 14
 

@@ -136,6 +136,7 @@ def set_profile(display, data):
     connection.close()
 
 
+@pytest.mark.slow
 def test_keys_answer_and_what_was_acknowledged_outlives_a_kill(tmp_path, display):
     study = tmp_path / "mine.toml"
     study.write_text(STUDY)
