@@ -75,6 +75,8 @@ def run(args: argparse.Namespace) -> int:
 
 def message_lines(message: Message, before: Message | None) -> list[str]:
     """A message as lines: who and when, the note, the settings or what of them has changed."""
+    from relgloss_view.proof.screen_words import screen_line
+
     # "from" before a name that anyone has written, which may read "signed by ...".
     author = printable(message.author, 200)
     who = [f"from {author}" if author else "no name", message.made, message.program]
@@ -82,6 +84,8 @@ def message_lines(message: Message, before: Message | None) -> list[str]:
     if message.parent:
         lines.append(f"answers {message.parent[:SHORT]}")
     lines += [f"| {visible(line)}" for line in message.note.splitlines()]
+    if screen := screen_line(message.screen):
+        lines.append(f"screen: {screen}")
     words = setting_words(message.settings)
     if before is None:
         return [*lines, *words.values()]

@@ -9,9 +9,12 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
 from relgloss_view.proof.page.build import words
 from relgloss_view.proof.screens import (
     CHANNELS,
+    LONGEST_NAME,
     Order,
     Screen,
     lstar_of,
@@ -124,42 +127,49 @@ def order_words(order: Order, screen: str) -> Words:
     return Words(f"screen.order.{order.kind}-{order.cause}", values)
 
 
+def short(screen: Screen) -> tuple[Words, ...]:
+    """A screen in short: what is known of it."""
+    said = []
+    if screen.name:
+        said.append(Words("screen.short.name", {"name": printable(screen.name, LONGEST_NAME)}))
+    if screen.white_cd_m2 is not None:
+        said.append(Words("screen.short.white", {"white": significant(screen.white_cd_m2, 3)}))
+    if screen.black_least is not None:
+        least = significant(100.0 * screen.black_least)
+        if screen.black_most is None:
+            said.append(Words("screen.short.black-least", {"least": least}))
+        elif least == (most := significant(100.0 * screen.black_most)):
+            said.append(Words("screen.short.black-is", {"black": most}))
+        else:
+            said.append(Words("screen.short.black", {"least": least, "most": most}))
+    if screen.gamma is not None:
+        said.append(Words("screen.short.gamma", {"gamma": significant(screen.gamma)}))
+    if screen.surround:
+        said.append(Words(f"screen.short.{screen.surround}", {}))
+    return tuple(said)
+
+
 def screen_words(screen: Screen, language: str = "en") -> tuple[str, ...]:
-    """What a message tells of its author's screen, for `proof show` and the window.
+    """What a message holds of its author's screen, for `proof show` and the window.
 
     >>> screen_words(Screen(white_cd_m2=120.0))
     ('white 120 cd/m2',)
     """
-    parts: dict[str, tuple[Words, ...]] = {
-        "white": ()
-        if screen.white_cd_m2 is None
-        else (Words("screen.short.white", {"white": significant(screen.white_cd_m2, 3)}),),
-        "black": ()
-        if screen.black_least is None or screen.black_most is None
-        else (
-            Words(
-                "screen.short.black",
-                {
-                    "least": significant(100.0 * screen.black_least),
-                    "most": significant(100.0 * screen.black_most),
-                },
-            ),
-        ),
-        "gamma": ()
-        if screen.gamma is None
-        else (Words("screen.short.gamma", {"gamma": significant(screen.gamma)}),),
-        "surround": ()
-        if screen.surround == ""
-        else (Words(f"screen.short.{screen.surround}", {}),),
-    }
     table = words(language)
-    return tuple(
-        table[key].format(
-            **{
-                name: f"{value:g}" if isinstance(value, float) else value
-                for name, value in values.items()
-            }
-        )
-        for said in parts.values()
-        for key, values in said
-    )
+    return tuple(table[key].format(**_as_text(values)) for key, values in short(screen))
+
+
+def screen_line(content: object) -> str:
+    """A message's `screen` as it is in a file, in one line; '' where nothing is known.
+
+    >>> screen_line({"white_cd_m2": 120.0, "surround": "dark"})
+    'white 120 cd/m2, dark room'
+    """
+    try:
+        return "" if content is None else ", ".join(screen_words(Screen.from_json(content)))
+    except InputError:
+        return "described in a way that this version does not read"
+
+
+def _as_text(values: Mapping[str, float | str]) -> dict[str, str]:
+    return {k: f"{v:g}" if isinstance(v, float) else v for k, v in values.items()}

@@ -44,6 +44,7 @@ HIGHLIGHT_SHARES = (0.002, 0.012)
 SRGB_GAMMA_RANGE = (2.0, 2.4)  #: where sRGB's curve and a power are both possible
 SURROUNDS = ("", "dark", "office", "bright")
 CHANNELS = ("red", "green", "blue")
+LONGEST_NAME = 100  #: characters of a screen's name
 KEPT, REVERSED, HIDDEN, ALIKE, UNKNOWN = "kept", "reversed", "hidden", "alike", "unknown"
 RANK = {KEPT: 0, HIDDEN: 1, REVERSED: 2}  #: the worst verdict on a screen is the verdict
 
@@ -73,7 +74,8 @@ class Screen:
 
     white_cd_m2: of white. black_least, black_most: bounds of black relative to white, room light
     included. gamma: of gray. channels: of red, green and blue. clipped: the brightest signal that
-    is told from white, 0 to 1. surround: one of SURROUNDS, the light around the screen.
+    is told from white, 0 to 1. surround: one of SURROUNDS, the light around the screen. name: of
+    its profile, as a system has it; '' from a browser.
     Raises InputError where a value is out of its range.
     """
 
@@ -84,6 +86,7 @@ class Screen:
     channels: tuple[float, float, float] | None = None
     clipped: float | None = None
     surround: str = ""
+    name: str = ""
 
     def __post_init__(self) -> None:
         _check("white_cd_m2", self.white_cd_m2, 1.0, 10000.0)
@@ -99,6 +102,8 @@ class Screen:
             raise InputError("screen: black_least is above black_most")
         if self.surround not in SURROUNDS:
             raise InputError(f"screen.surround: expected one of {SURROUNDS}")
+        if len(self.name) > LONGEST_NAME:
+            raise InputError(f"screen.name: longer than {LONGEST_NAME} characters")
 
     @classmethod
     def from_json(cls, content: object) -> Screen:
@@ -116,13 +121,16 @@ class Screen:
             ):
                 raise InputError("screen.channels: expected three numbers")
             values["channels"] = tuple(channels)
-        if not isinstance(values.get("surround", ""), str):
-            raise InputError("screen.surround: expected a text")
+        for name in ("surround", "name"):
+            if not isinstance(values.get(name, ""), str):
+                raise InputError(f"screen.{name}: expected a text")
         return cls(**values)
 
     def as_json(self) -> dict[str, Any]:
-        """As a message holds it."""
+        """As a message holds it; without a name where it has none, as browsers write it."""
         values = dataclasses.asdict(self)
+        if not self.name:
+            values.pop("name")
         return {**values, "channels": None if self.channels is None else list(self.channels)}
 
 

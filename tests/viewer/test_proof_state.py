@@ -10,6 +10,8 @@ import pytest
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.proof.proof import Message, Proof
+from relgloss_view.proof.screen_words import screen_line
+from relgloss_view.proof.screens import Screen
 from relgloss_view.proof.settings import Settings
 from relgloss_view.viewer.state import matching
 from relgloss_view.viewer.state.model import Model
@@ -18,12 +20,14 @@ from relgloss_view.viewer.state.proofs import (
     author_of,
     changed_parts,
     message_words,
+    monitor_as_sent,
     settings_of,
     shown_message,
     standing_words,
     with_settings,
 )
-from relgloss_view.viewer.state.state import State
+from relgloss_view.viewer.state.screens import Screen as Monitored
+from relgloss_view.viewer.state.state import AS_DECLARED, State
 
 CHAIN = 20
 
@@ -155,3 +159,38 @@ def test_a_hostile_name_stays_on_one_line():
 
 def opened_settings():
     return settings_of(State.initial())
+
+
+PROFILE = "/usr/share/color/icc/colord/AdobeRGB1998.icc"
+
+
+class TestMonitor:
+    """What a message from the window holds of the monitor."""
+
+    def test_nothing_is_made_up(self):
+        assert monitor_as_sent(State.initial(), Monitored(), is_reply=False) is None
+
+    def test_what_the_scene_declares_is_the_senders(self):
+        state = State.initial().with_part("display", luminance_cd_m2=160.0, black_cd_m2=0.8)
+        sent = monitor_as_sent(state, Monitored(), is_reply=False)
+        assert sent["white_cd_m2"] == 160.0
+        assert sent["black_least"] == pytest.approx(0.005)
+        assert sent["black_most"] is None  # the light of the room is not known
+        assert Screen.from_json(sent).as_json() == sent
+        # A reply's scene has the designer's display, which is not the replier's.
+        assert monitor_as_sent(state, Monitored(), is_reply=True) is None
+        declared = state.with_part("presentation", screen=AS_DECLARED)
+        assert monitor_as_sent(declared, Monitored(), is_reply=False) is None
+
+    def test_the_profile_of_the_system_is_named(self):
+        sent = monitor_as_sent(
+            State.initial(), Monitored(PROFILE, "Adobe RGB (1998)"), is_reply=True
+        )
+        assert sent["name"] == "Adobe RGB (1998)"
+        assert screen_line(sent).startswith("Adobe RGB (1998)")
+
+    def test_a_screen_that_no_page_wrote_is_no_error(self):
+        assert screen_line({"white_cd_m2": "<b>"}) == (
+            "described in a way that this version does not read"
+        )
+        assert screen_line(None) == ""

@@ -14,7 +14,7 @@ import sys
 import tempfile
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from relgloss_view.base import child, followed
@@ -32,7 +32,13 @@ from relgloss_view.proof.proof import (
 from relgloss_view.viewer.files.background import Worker
 from relgloss_view.viewer.files.proof_files import read, signed_words, write_signed
 from relgloss_view.viewer.files.scene_saving import save_scene
-from relgloss_view.viewer.state.proofs import OpenProof, changed_parts, settings_of
+from relgloss_view.viewer.state.proofs import (
+    OpenProof,
+    changed_parts,
+    monitor_as_sent,
+    settings_of,
+)
+from relgloss_view.viewer.state.screens import Screen as Monitored
 from relgloss_view.viewer.state.state import State
 
 LONGEST_S = 1800.0
@@ -46,7 +52,8 @@ class ProofRequest:
     """A proof to write.
 
     state: what it shows. answers: the open proof that it answers, or None. key: file of the key
-    that signs it, '' for none. title: '' takes the sample's name; a reply keeps its title.
+    that signs it, '' for none. title: '' takes the sample's name; a reply keeps its title. monitor:
+    that the window lies on.
     """
 
     path: str
@@ -56,6 +63,7 @@ class ProofRequest:
     title: str = ""
     key: str = ""
     answers: OpenProof | None = None
+    monitor: Monitored = field(default_factory=Monitored)
 
     @property
     def beyond(self) -> tuple[str, ...]:
@@ -131,8 +139,10 @@ def written(request: ProofRequest, cancelled: threading.Event | None = None) -> 
 
 
 def _message(request: ProofRequest, folder: str = "") -> Message:
-    settings = settings_of(request.state, folder)
-    return Message(settings, request.note, request.author, present_time(), PROGRAM)
+    return Message(
+        settings_of(request.state, folder), request.note, request.author, present_time(), PROGRAM,
+        screen=monitor_as_sent(request.state, request.monitor, is_reply=True),
+    )  # fmt: skip
 
 
 def _new(request: ProofRequest, cancelled: threading.Event) -> Proof:
@@ -144,10 +154,12 @@ def _new(request: ProofRequest, cancelled: threading.Event) -> Proof:
         words += ["--title", request.title] if request.title else []
         _run(words, cancelled)
         proof = read(str(file))
+    answered = request.answers is not None
     parent = "" if request.answers is None else request.answers.proof.digest
     first = dataclasses.replace(
-        proof.messages[0], note=request.note, author=request.author, parent=parent
-    )
+        proof.messages[0], note=request.note, author=request.author, parent=parent,
+        screen=monitor_as_sent(request.state, request.monitor, is_reply=answered),
+    )  # fmt: skip
     return Proof(proof.content, (first,))
 
 

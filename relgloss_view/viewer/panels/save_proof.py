@@ -184,7 +184,9 @@ class SaveProof:
     def _start(self, request: ProofRequest) -> None:
         self._replacing, self._began_s = None, time.monotonic()
         # What was changed while a question was open is part of the proof.
-        self.writing.start(dataclasses.replace(request, state=self.model.state))
+        self.writing.start(
+            dataclasses.replace(request, state=self.model.state, monitor=self.model.screen)
+        )
 
     def _take_key(self, path: str) -> None:
         self.key = path

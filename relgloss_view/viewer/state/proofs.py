@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from relgloss_view.base.errors import InputError
+from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.reading import printable
+from relgloss_view.display.display import Display
+from relgloss_view.display.model import DisplayModel
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.proof.proof import Message, Proof
-from relgloss_view.proof.screen_words import screen_words
-from relgloss_view.proof.screens import Screen
+from relgloss_view.proof.screen_words import screen_line
+from relgloss_view.proof.screens import LONGEST_NAME as LONGEST_SCREEN
+from relgloss_view.proof.screens import MOST_BLACK, Screen
 from relgloss_view.proof.settings import LampPlace, PictureSetting, Settings
-from relgloss_view.viewer.state.state import SIDES, State
+from relgloss_view.viewer.state.screens import Screen as Monitored
+from relgloss_view.viewer.state.state import SIDES, THIS_MONITOR, State
 
 NOBODY = "someone without a name"
 LONGEST_NAME = 60  #: characters of an author
@@ -172,8 +175,8 @@ def message_words(proof: Proof, index: int) -> tuple[str, ...]:
     message = proof.messages[index]
     present = message.settings
     lines = [f"{name.capitalize()}: {setting_words(present.side(name))}" for name in SIDES]
-    if message.screen is not None:
-        lines += _screen_lines(message.screen)
+    if screen := screen_line(message.screen):
+        lines.append(f"Author's screen: {screen}")
     if index == 0:
         return tuple(lines)
     before = proof.messages[index - 1].settings
@@ -186,8 +189,32 @@ def message_words(proof: Proof, index: int) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _screen_lines(content: Mapping[str, Any]) -> tuple[str, ...]:
+def monitor_as_sent(state: State, screen: Monitored, *, is_reply: bool) -> dict[str, Any] | None:
+    """What the window knows of the monitor it lies on, as a message holds it; None: nothing.
+
+    What the scene declares of white, black and the room is this monitor's where pictures are drawn
+    for this monitor. A reply's scene declares the designer's, which is left out. A black without
+    the light of the room is only the least that an observer sees.
+    """
+    display = Display(profile=screen.file)
+    if state.presentation.screen == THIS_MONITOR and not is_reply:
+        own = state.setup.display
+        display = dataclasses.replace(
+            display,
+            luminance_cd_m2=own.luminance_cd_m2,
+            black_cd_m2=own.black_cd_m2,
+            reflected_cd_m2=own.reflected_cd_m2,
+        )
     try:
-        return screen_words(Screen.from_json(content))
-    except InputError:
-        return ("The author's screen is not described in a way that this version reads",)
+        model = DisplayModel.of(display)
+        share = model.black_cd_m2 / model.luminance_cd_m2
+        black = share if model.black_known and 0.0 <= share <= MOST_BLACK else None
+        found = Screen(
+            model.luminance_cd_m2 if model.luminance_known else None,
+            black_least=black,
+            black_most=black if model.reflected_cd_m2 > 0.0 else None,
+            name=printable(screen.name, LONGEST_SCREEN)[:LONGEST_SCREEN] if screen.file else "",
+        )
+    except RelglossError:
+        return None
+    return None if found == Screen() else found.as_json()
