@@ -24,6 +24,7 @@ MOUNT = """(display) => {
   window.mounted = mountScreen(element, app);
   return [document.documentElement.scrollWidth, innerWidth];
 }"""
+BRIGHT_IS_SEEN = "() => document.querySelector('.patches[data-ground=bright]').checkVisibility()"
 KNOWN = {
     "luminance_cd_m2": 160.0,
     "luminance_known": True,
@@ -62,7 +63,9 @@ def test_by_keyboard(page):
 
     press(Keys.TAB, Keys.SPACE, *[Keys.ARROW_RIGHT] * 4)
     assert call(page, "() => document.activeElement.getAttribute('aria-label')") == "Patch 5 of 12"
-    press(Keys.TAB, Keys.SPACE, Keys.TAB)  # white, then the slider of grays
+    assert not call(page, BRIGHT_IS_SEEN)  # a bright field waits until it is asked for
+    press(Keys.TAB, Keys.ENTER, Keys.TAB, Keys.SPACE, Keys.TAB)  # white, then the slider of grays
+    assert call(page, BRIGHT_IS_SEEN)
     press(*[Keys.ARROW_LEFT] * 8, Keys.TAB, Keys.ENTER)
     press(Keys.TAB, Keys.TAB, "80", Keys.TAB, "D")
     found = Screen.from_json(call(page, "() => app.screen"))
@@ -97,6 +100,7 @@ def test_narrow_and_forced_colours(chromium_gl, proof, forced):
     open_screen(chromium_gl, proof)
     wide, inner = call(chromium_gl, MOUNT, KNOWN)
     assert wide <= inner
+    call(chromium_gl, "() => { document.querySelector('#screen details').open = true; }")
     # Patches keep their light where the reader's colours replace the page's.
     assert call(
         chromium_gl,

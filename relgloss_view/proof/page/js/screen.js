@@ -40,7 +40,7 @@ export function mountScreen(element, app) {
     changed();
   };
   const parts = [
-    steps("dark", DARK_STEPS, 0, note("dark")), steps("bright", BRIGHT_STEPS, 255, note("bright")),
+    steps("dark", DARK_STEPS, 0, note("dark")), steps("bright", BRIGHT_STEPS, 255, note("bright"), true),
     grays(note("gamma"), note("channels")), light(note("white"), note("surround")),
   ];
   const forget = make("button", {
@@ -109,7 +109,7 @@ function ordered(app, mine, theirs) {
 }
 
 /** Patches on a ground, of which the observer chooses the first that is seen. */
-function steps(name, values, ground, choose) {
+function steps(name, values, ground, choose, folded = false) {
   const patches = values.map((value, k) => {
     const radio = make("input", {
       type: "radio", name: `screen-${name}`, value: k,
@@ -121,11 +121,16 @@ function steps(name, values, ground, choose) {
   const none = make("input", {
     type: "radio", name: `screen-${name}`, value: values.length, on: { change: () => choose(values.length) },
   });
-  const element = make("fieldset", { class: "step" },
-    make("legend", { text: say(`screen.${name}.title`) }),
+  const field = [
     make("p", { text: say(`screen.${name}.how`) }),
     make("div", { class: "patches", "data-ground": name }, ...patches),
-    make("label", { class: "choice" }, none, make("span", { text: say(`screen.${name}.none`) })));
+    make("label", { class: "choice" }, none, make("span", { text: say(`screen.${name}.none`) })),
+  ];
+  // A bright field takes eyes off the pictures, so it shows when it is asked for.
+  const shown = folded
+    ? [make("details", {}, make("summary", { text: say("screen.field.show") }), ...field)] : field;
+  const element = make("fieldset", { class: "step" },
+    make("legend", { text: say(`screen.${name}.title`) }), ...shown);
   const forget = () => {
     for (const radio of element.querySelectorAll("input")) radio.checked = false;
     choose(null);
