@@ -10,6 +10,7 @@ import json
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 from relgloss_view.viewer.shell.layout import GLOSS, LIGHT
@@ -280,6 +281,10 @@ SCREENS = {
 }  # fmt: skip
 
 
+#: For all pages of a study: those of a busy machine take a few seconds.
+PAGES_S = 60.0
+
+
 def _answer(case, found, folder):
     """A study's first pages and its first pair of pictures, with the categories."""
     from relgloss_view.experiment.design.grid import Grid
@@ -314,7 +319,8 @@ def _pages(shown, label, entry):
 
     program = shown.program
     yield from _frames(SETTLING)
-    for _ in range(300):
+    end_s = time.monotonic() + PAGES_S  # a number of frames would be over before slow pictures come
+    while time.monotonic() < end_s:
         page = "warning" if program.fault is not None else program.flow.phase.value
         waits = program.fault is None and program.flow.phase in (Phase.GAP, Phase.ADAPTATION)
         waits |= page == Phase.TRIAL.value and not program._standing
