@@ -14,7 +14,6 @@ from pack_pages import LIT, TORUS, carried, make_pack, pair_of
 from PIL import Image
 
 from relgloss_view import Display, Eye, Look, Scene, Shape
-from relgloss_view.pack.shape import ANALYTIC
 from relgloss_view.picture.gpu import surface
 from relgloss_view.picture.scene.sample import load_sample
 from relgloss_view.proof.settings import PictureSetting
@@ -23,10 +22,6 @@ SIZE = (96, 96)
 #: Relative, of c_max: on another driver a lobe's exp and division differ in float32's last places.
 C_MAX = 1e-4
 OTHER_DRIVER = 0.9999  #: least share of pixels that another driver draws within 1
-#: The same of triangles: SwiftShader rounds corners to 1/16 of a pixel, the desktop's driver to
-#: 1/256, so a pixel at a silhouette shows another side where the two lie apart, 1/64 on average: of
-#: some 500 such pixels of 16,384 about 8. c_max is that of such a pixel, where one is brightest.
-OTHER_RASTER = 0.999
 GRAIN = Look(1.0, c=2.0, grain="surface")
 
 
@@ -148,25 +143,15 @@ CASES = {
 }
 
 
-def drawn_on(browser, renderer, sides, folder, states, least_c=None):
-    """The settings themselves, and others, one after the other; both pictures of each.
-
-    least_c: of all pictures, so small that c_max scales none of them.
-    """
+def drawn_on(browser, renderer, sides, folder, states, first_size=(256, 256)):
+    """The settings themselves, and others, one after the other; both pictures of each."""
     open_engine(browser, sides, files=carried(folder))
     rng = np.random.default_rng(7)
     first = settings_of(sides)
-    asked = [((256, 256), first)] + [((128, 128), turned(first, rng)) for _ in range(states)]
+    asked = [(first_size, first)] + [((128, 128), turned(first, rng)) for _ in range(states)]
     found = []
     for size, settings in asked:
-        if least_c is not None:
-            settings = dataclasses.replace(
-                settings,
-                reference=dataclasses.replace(settings.reference, c=least_c),
-                test=dataclasses.replace(settings.test, c=least_c),
-            )
-        same = least_c is None
-        found += apart(browser, renderer, sides, size, settings, same_scaling=same).values()
+        found += apart(browser, renderer, sides, size, settings).values()
     return found
 
 
@@ -188,10 +173,10 @@ def test_packs_on_another_driver(chromium_sw, renderer, tmp_path, name):
     (tmp_path / "torus.obj").write_text(TORUS)
     pack = make_pack(tmp_path, **CASES[name])
     sides = pair_of(pack, GRAIN, **LIT)
-    met = pack.shape.kind in ANALYTIC
-    found = drawn_on(chromium_sw, renderer, sides, tmp_path, 3, None if met else 0.02)
+    found = drawn_on(chromium_sw, renderer, sides, tmp_path, 3, (512, 512))
     shown = np.concatenate([one.ravel() for one in found])
-    assert np.mean(shown <= 1) >= (OTHER_DRIVER if met else OTHER_RASTER)
+    print(name, f"{np.mean(shown == 0):.5%} equal, {np.mean(shown <= 1):.5%} within 1")
+    assert np.mean(shown <= 1) >= OTHER_DRIVER
 
 
 @pytest.mark.slow
