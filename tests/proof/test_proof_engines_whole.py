@@ -153,6 +153,7 @@ def test_a_readers_way(engine, paper, tmp_path):
     assert "1" in engine.call("() => document.getElementById('whose').textContent")
     assert engine.call(SETTINGS) == sent
     click(engine, "[data-ground=dark] .patch:nth-child(3) input")
+    click(engine, "#screen details summary")  # the white field, which is bright
     click(engine, "[data-ground=bright] .patch:nth-child(2) input")
     assert engine.call("() => relgloss.app.screen.black_most") is not None
     assert engine.call("() => window.errors") == []

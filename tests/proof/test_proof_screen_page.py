@@ -149,6 +149,23 @@ def test_order_of_gloss_follows_the_screen(page):
     assert not any("Your screen shows this order" in line for line in bright)
 
 
+def test_an_object_out_of_the_picture_has_no_order(page):
+    lines = """() => {
+      mounted.update();
+      return [...document.querySelectorAll("#screen [role=status] p")].map((p) => p.textContent);
+    }"""
+    assert any("glossier" in line for line in call(page, lines))
+    call(
+        page,
+        """() => {
+          const own = app.engine.split.bind(app.engine);
+          const off = app.engine.drawing.numbers.OFF_OBJECT;
+          app.engine.split = (side) => (side === "test" ? own(side).fill(off) : own(side));
+        }""",
+    )
+    assert not any("glossier" in line for line in call(page, lines))  # and it does not throw
+
+
 def test_what_is_stored_is_refused_where_no_page_wrote_it(page):
     call(page, "() => document.querySelectorAll('input[name=screen-dark]')[3].click()")
     stored = call(page, "() => app.screen")

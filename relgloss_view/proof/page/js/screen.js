@@ -98,6 +98,7 @@ function ordered(app, mine, theirs) {
     console.warn(fault);
     return [];
   }
+  if (SIDES.some((side) => pairs[side].length === 0)) return []; // one is out of the picture
   const mineOrder = orderOfGloss(pairs.reference, pairs.test, mine);
   if (mineOrder.kind === "alike") return [["screen.order.alike", {}]];
   const [first, second] = [pairs.reference[0], pairs.test[0]];
