@@ -143,12 +143,12 @@ CASES = {
 }
 
 
-def drawn_on(browser, renderer, sides, folder, states, first_size=(256, 256)):
+def drawn_on(browser, renderer, sides, folder, states):
     """The settings themselves, and others, one after the other; both pictures of each."""
     open_engine(browser, sides, files=carried(folder))
     rng = np.random.default_rng(7)
     first = settings_of(sides)
-    asked = [(first_size, first)] + [((128, 128), turned(first, rng)) for _ in range(states)]
+    asked = [((512, 512), first)] + [((128, 128), turned(first, rng)) for _ in range(states)]
     found = []
     for size, settings in asked:
         found += apart(browser, renderer, sides, size, settings).values()
@@ -173,7 +173,7 @@ def test_packs_on_another_driver(chromium_sw, renderer, tmp_path, name):
     (tmp_path / "torus.obj").write_text(TORUS)
     pack = make_pack(tmp_path, **CASES[name])
     sides = pair_of(pack, GRAIN, **LIT)
-    found = drawn_on(chromium_sw, renderer, sides, tmp_path, 3, (512, 512))
+    found = drawn_on(chromium_sw, renderer, sides, tmp_path, 3)
     shown = np.concatenate([one.ravel() for one in found])
     print(name, f"{np.mean(shown == 0):.5%} equal, {np.mean(shown <= 1):.5%} within 1")
     assert np.mean(shown <= 1) >= OTHER_DRIVER
