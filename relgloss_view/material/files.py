@@ -14,6 +14,7 @@ from relgloss_view.base.foreign import HEAD_BYTES, refuse_foreign
 from relgloss_view.base.json_files import parse_json
 from relgloss_view.base.reading import printable, read_beginning, read_text, refuse, text
 from relgloss_view.base.writing import whole_file
+from relgloss_view.material.described import described_record
 from relgloss_view.material.estimated import estimate_record
 from relgloss_view.material.material import MAX_LOBES, Diffuse, FitRecord, Lobe, Material, Quality
 from relgloss_view.measure.bands import RGB, WIDE_RGB, Bands
@@ -69,6 +70,8 @@ def material_to_dict(material: Material) -> dict[str, Any]:
         }
     if material.estimate is not None:
         content["estimate"] = material.estimate.as_json()
+    if material.described is not None:
+        content["described"] = material.described.as_json()
     for name, reading in _MARKS.items():
         if getattr(material, name) != reading(material.source):
             content[name] = getattr(material, name)
@@ -194,12 +197,14 @@ def material_from_dict(content: object) -> Material:
         refuse("specular", f"a list of at most {MAX_LOBES} lobes", lobes)
     specular = tuple(_lobe(value, f"specular[{k}]", bands) for k, value in enumerate(lobes))
     fit, estimate = _fit(top.get("fit")), estimate_record(top.get("estimate"))
+    described = described_record(top.get("described"))
     name, source = text(top.get("name"), "name"), text(top.get("source"), "source")
     marks = {mark: top.get(mark, reading(source)) for mark, reading in _MARKS.items()}
     for mark, value in marks.items():
         if not isinstance(value, bool):
             refuse(mark, "true or false", value)
-    return Material(name, source, bands, diffuse, specular, fit, estimate=estimate, **marks)
+    records: dict[str, Any] = {"estimate": estimate, "described": described}
+    return Material(name, source, bands, diffuse, specular, fit, **records, **marks)
 
 
 def _lobe(value: object, place: str, bands: Bands) -> Lobe:

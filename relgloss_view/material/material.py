@@ -15,6 +15,7 @@ from relgloss_view.base.notebook import html_table, span
 from relgloss_view.base.reading import printable, refuse
 from relgloss_view.material import brdf
 from relgloss_view.material.band_coverage import coverage_warnings
+from relgloss_view.material.described import DescribedRecord
 from relgloss_view.material.estimated import EstimateRecord
 from relgloss_view.material.spectra import Illuminant, light_weights
 from relgloss_view.measure.bands import Bands
@@ -234,6 +235,7 @@ class Material:
     synthetic: bool = False  #: computed from invented parameters, not measured
     hypothetical: bool = False  #: made from another material by changing it
     estimate: EstimateRecord | None = None  #: where it was estimated from a few readings
+    described: DescribedRecord | None = None  #: where another program's parameters describe it
 
     def __post_init__(self) -> None:
         reading.text(self.name, "name")
@@ -259,6 +261,7 @@ class Material:
         """The warnings that go with every picture of this material."""
         texts = list(self.fit.warnings) if self.fit else []
         texts += self.estimate.warnings if self.estimate else ()
+        texts += self.described.warnings if self.described else ()
         if self.fit and self.fit.quality != Quality.GOOD and not self.fit.grounds:
             texts.append(_UNEXPLAINED[self.fit.quality])
         for k, lobe in enumerate(self.specular):
@@ -320,6 +323,7 @@ class Material:
             ("synthetic", "yes, nothing was measured" if self.synthetic else "no"),
             *([("hypothetical", "yes, made from another material")] if self.hypothetical else []),
             *([("estimated", "yes, from a few readings")] if self.estimate else []),
+            *([("described", f"yes, as {self.described.model}")] if self.described else []),
             ("quality", self.evidence_words),
             ("bands", self.bands.words),
             ("diffuse: model", diffuse.model),
@@ -338,15 +342,25 @@ class Material:
 
     @property
     def marks(self) -> str:
-        """What a caption must state of the material's origin: '', 'synthetic', 'estimated'."""
-        marks = [("synthetic", self.synthetic), ("estimated", self.estimate is not None)]
+        """What a caption must state of the material's origin: '', 'synthetic', 'estimated',
+        'described'.
+        """
+        marks = [
+            ("synthetic", self.synthetic),
+            ("estimated", self.estimate is not None),
+            ("described", self.described is not None),
+        ]
         return ", ".join(word for word, holds in marks if holds)
 
     @property
     def evidence_words(self) -> str:
-        """What the material rests on: 'fit good', 'estimated' or 'not fitted', for captions."""
+        """What the material rests on: 'fit good', 'estimated', 'described, not measured' or 'not
+        fitted', for captions.
+        """
         if self.estimate:
             return self.estimate.words
+        if self.described:
+            return "described, not measured"
         return f"fit {self.fit.quality}" if self.fit else "not fitted"
 
 

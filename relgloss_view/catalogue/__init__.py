@@ -1,0 +1,1 @@
+"""A catalogue: every table, material and proof of a tree, fitted, metered, matched and drawn."""
