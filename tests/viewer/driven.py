@@ -78,8 +78,14 @@ class Hand:
             self.frames(1)
 
     def double_click(self, item):
+        from imgui_bundle import imgui
+
+        # Frames of a busy machine may be further apart than two clicks of a hand.
+        io = imgui.get_io()
+        usual, io.mouse_double_click_time = io.mouse_double_click_time, 5.0
         self.ctx.item_double_click(item)
         self.frames(2)
+        io.mouse_double_click_time = usual
 
     def key(self, key):
         self.ctx.key_press(key)
