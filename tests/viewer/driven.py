@@ -82,10 +82,11 @@ class Hand:
 
         # Frames of a busy machine may be further apart than two clicks of a hand.
         io = imgui.get_io()
-        usual, io.mouse_double_click_time = io.mouse_double_click_time, 5.0
+        usual = io.mouse_double_click_time, io.mouse_single_click_delay
+        io.mouse_double_click_time, io.mouse_single_click_delay = 5.0, 5.5
         self.ctx.item_double_click(item)
         self.frames(2)
-        io.mouse_double_click_time = usual
+        io.mouse_double_click_time, io.mouse_single_click_delay = usual
 
     def key(self, key):
         self.ctx.key_press(key)
