@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.interruptions import checkpoint
@@ -69,14 +69,10 @@ class EngineOptions:
 Done = Callable[[Task, Any], object]  #: gets each task once, with its result or Lost, in any order
 
 
-class Engine(Protocol):
-    """Works off the tasks, and calls `done` in this thread for each of them.
-
-    The tasks are taken one by one, shortly before they run. Exceptions of `done`, of a checkpoint
-    and InputError of a task end the run: no process of the engine is left then.
-    """
-
-    def __call__(self, tasks: Iterable[Task], done: Done, options: EngineOptions) -> None: ...
+#: Works off the tasks, and calls `done` in this thread for each of them. The tasks are taken one by
+#: one, shortly before they run. Exceptions of `done`, of a checkpoint and InputError of a task end
+#: the run: no process of the engine is left then.
+Engine = Callable[[Iterable[Task], Done, EngineOptions], None]
 
 
 def run(tasks: Iterable[Task], done: Done, options: EngineOptions) -> None:
