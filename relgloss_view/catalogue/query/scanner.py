@@ -155,7 +155,5 @@ class Scanner:
 
     def fault(self, fault: str, remedy: str, at: int | None = None) -> QueryError:
         """A fault of the next words, or of those from `at` to here."""
-        first, end = self.piece()
-        if at is not None:
-            first, end = at, self.at
+        first, end = self.piece() if at is None else (at, self.at)
         return QueryError(self.text, first, end, fault, remedy)

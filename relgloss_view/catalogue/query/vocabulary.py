@@ -60,6 +60,7 @@ MOST_LISTED = 60  #: words of a message
 DEGREES = r"\s{0,3}(?:°|deg(?:rees?)?\b)?"
 #: Between the words of a name. Bounded, so that no text makes the pattern slow.
 GAP = r"[\s_-]{0,3}"
+PAUSE = r"[\s_,-]{0,3}"  #: of headings with a comma, such as "haze, error"
 
 
 def label_of(column: str) -> str:
@@ -103,7 +104,8 @@ def column_pattern() -> tuple[re.Pattern[str], tuple[str, ...]]:
                 rf"|{angle}{DEGREES}[\s-]{{0,3}}gloss){rest}"
             )
         else:
-            pieces.append(rf"{GAP}".join(words))
+            gap = PAUSE if "," in label_of(column) else GAP
+            pieces.append(gap.join(words))
         columns.append(column)
     body = "|".join(f"(?P<g{k}>{piece})" for k, piece in enumerate(pieces))
     return re.compile(rf"(?:{body})(?![\w*])", re.IGNORECASE), tuple(columns)

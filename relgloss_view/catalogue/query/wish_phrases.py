@@ -8,7 +8,7 @@ import re
 from relgloss_view.catalogue.columns import READINGS
 from relgloss_view.catalogue.query.columns_phrases import ABOVE, AT_LEAST, AT_MOST, BELOW
 from relgloss_view.catalogue.query.fault import QueryError
-from relgloss_view.catalogue.query.scanner import Scanner
+from relgloss_view.catalogue.query.scanner import NUMBER, Scanner
 from relgloss_view.catalogue.query.terms import (
     ColourNear,
     Condition,
@@ -41,6 +41,8 @@ LABEL = re.compile(r"(?:CIE\s?)?L\*?\s?a\*?\s?b\*?(?!\w)\s*[:=]?|\(|colou?r(?!\w
 AXES = tuple(
     re.compile(rf"{axis}\s?(?:\*|_star)?\s?[:=]?(?=\s*[-+.0-9\u2212])", re.I) for axis in "Lab"
 )
+#: A number that another one or nothing follows: a colour, and not a name such as "7 coats".
+NUMBERS = re.compile(rf"(?>{NUMBER.pattern})(?=\s*$|(?:\s*[,;]\s*|\s+)[-+.\u2212]?[0-9]|,[0-9])")
 BETWEEN = re.compile(r"[,;]\s")
 PERCENT, DEGREES = re.compile(r"%|percent\b", re.I), re.compile(r"\u00b0|deg(?:rees?)?\b", re.I)
 ANGLE = re.compile(r"(?P<angle>[0-9.]+)\s*(?:\u00b0|deg(?:rees?)?\b)?", re.I)
@@ -132,9 +134,9 @@ def _target(
 ) -> tuple[float, float, float] | ReferenceName:
     at = scanner.at
     scanner.word("that of", "the colour of", "the color of")
-    if scanner.has_number():
+    if scanner.peek(NUMBERS):
         return _lab(scanner)
-    if scanner.take(LABEL) and (scanner.has_number() or scanner.peek(AXES[0])):
+    if scanner.take(LABEL) and (scanner.peek(NUMBERS) or scanner.peek(AXES[0])):
         return _lab(scanner)
     scanner.at = at
     if scanner.peek(AXES[0]):
@@ -169,7 +171,7 @@ def _lab(scanner: Scanner) -> tuple[float, float, float]:
         if axis:
             scanner.take(BETWEEN)
         scanner.take(AXES[axis])
-        values.append(scanner.number(f"{'L*', 'a*', 'b*'}"[0:0] + ("L*", "a*", "b*")[axis]))
+        values.append(scanner.number(("L*", "a*", "b*")[axis]))
     if opened:
         scanner.take(re.compile(r"\)"))
     if not 0.0 <= values[0] <= 100.0 or max(abs(values[1]), abs(values[2])) > 200.0:
@@ -203,8 +205,6 @@ def _ratio(scanner: Scanner) -> Condition | None:
         scanner.at = start
         return None
     value = factor[0]
-    if value <= 0.0:
-        raise scanner.fault("a ratio of gloss is above 0", "write 0.7 x as glossy as NAME", start)
     reference, column = _with_angle(scanner)
     if side is not None:
         low = value if side in ("low", "above") else 0.0
@@ -227,8 +227,11 @@ def _factor(scanner: Scanner) -> tuple[float, bool] | None:
         return 0.5, True
     if scanner.peek(TIMES_AS) is None:
         return 1.0, False
+    start = scanner.skip()
     value = scanner.number("a ratio of gloss")
     match = scanner.take(TIMES)
+    if value <= 0.0:
+        raise scanner.fault("a ratio of gloss is above 0", "write 0.7 x as glossy as NAME", start)
     return value * (0.01 if match is not None and match.group() == "%" else 1.0), True
 
 
