@@ -9,6 +9,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import sysconfig
 import tempfile
 import threading
 import time
@@ -24,16 +25,27 @@ from relgloss_view.catalogue.engine import EngineOptions, Lost, Task, run
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 NOBODY = 65534
+AS_NOBODY = ("setpriv", f"--reuid={NOBODY}", f"--regid={NOBODY}", "--clear-groups")
 STARTED_S = 60.0
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="ends by signals")
 
 
-class Cluster:
-    """A scheduler and workers, each started by Dask's own command."""
+def elsewhere(home):
+    """Variables of a process that has another home and the same program."""
+    packages = (str(ROOT), str(HERE), sysconfig.get_path("purelib"))
+    kept = {name: value for name, value in os.environ.items() if name not in ONE_THREAD}
+    return {**kept, "HOME": str(home), "PYTHONPATH": os.pathsep.join(packages)}
 
-    def __init__(self, folder, *, as_nobody=False):
-        self.folder, self.as_nobody = folder, as_nobody
+
+class Cluster:
+    """A scheduler and workers, each started by Dask's own command.
+
+    nobody: the Python that another user starts; None for this user's.
+    """
+
+    def __init__(self, folder, nobody=None):
+        self.folder, self.nobody = folder, nobody
         self.file = folder / "scheduler.json"
         self.processes = []
         self.scheduler = None
@@ -43,20 +55,14 @@ class Cluster:
         home = self.folder / "home"
         home.mkdir(exist_ok=True)
         command = [sys.executable, "-m", "dask", *words]
-        if self.as_nobody:
+        if self.nobody:
             for path in (self.folder, home, *self.folder.glob("*.json")):
                 os.chown(path, NOBODY, NOBODY)
-            identity = (f"--reuid={NOBODY}", f"--regid={NOBODY}", "--clear-groups")
-            command = ["setpriv", *identity, *command]
-        environment = {
-            **{name: value for name, value in os.environ.items() if name not in ONE_THREAD},
-            "HOME": str(home),
-            "PYTHONPATH": f"{ROOT}{os.pathsep}{HERE}",
-        }
+            command = [*AS_NOBODY, self.nobody, *command[1:]]
         process = subprocess.Popen(
             command,
             cwd=home,
-            env=environment,
+            env=elsewhere(home),
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             process_group=0,
@@ -175,20 +181,27 @@ def test_a_cluster_without_workers_ends_the_run(cluster):
         )
 
 
-def can_be_nobody():
-    """Whether another user can run this program here."""
+def python_of_nobody():
+    """A Python that another user can start and that has this program; None where there is none."""
     if os.getuid() != 0 or shutil.which("setpriv") is None:
-        return False
-    words = ["setpriv", f"--reuid={NOBODY}", f"--regid={NOBODY}", "--clear-groups", sys.executable]
-    check = "import distributed, relgloss_view.catalogue.engine"
-    done = subprocess.run([*words, "-c", check], cwd="/", capture_output=True)
-    return done.returncode == 0
+        return None
+    check = "import os, sys, distributed; import relgloss_view.catalogue.engine; "
+    ours = tuple(sys.version_info[:2])
+    check += f"sys.exit(not os.access(sys.executable, 1) or sys.version_info[:2] != {ours})"
+    for python in (sys.executable, "/usr/bin/python3"):
+        done = subprocess.run(
+            [*AS_NOBODY, python, "-c", check], cwd="/", env=elsewhere("/"), capture_output=True
+        )
+        if done.returncode == 0:
+            return python
+    return None
 
 
 @pytest.mark.slow
 def test_four_workers_of_another_user(cluster_folder):
     """Files on a shared folder, another home: same results; a file that is not theirs is named."""
-    if not can_be_nobody():
+    nobody = python_of_nobody()
+    if nobody is None:
         pytest.skip("needs root, setpriv and a Python that every user can run")
     shared = cluster_folder / "shared"
     shared.mkdir()
@@ -198,7 +211,7 @@ def test_four_workers_of_another_user(cluster_folder):
     private.write_text("private")
     private.chmod(0o600)
     tasks = [Task(str(n), f"{n}.csv", work.text_of, (str(shared / f"{n}.csv"),)) for n in range(40)]
-    theirs = Cluster(cluster_folder, as_nobody=True)
+    theirs = Cluster(cluster_folder, nobody)
     try:
         address = theirs.start_scheduler()
         for n in range(4):
