@@ -183,7 +183,9 @@ except Interrupted as error:
 """
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "number", [signal.SIGKILL, signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]
+)
 def test_no_worker_outlives_the_driver(number, tmp_path):
     """Killed, it leaves no process; interrupted, it ends with the signal's status and in time."""
     driver = subprocess.Popen(
