@@ -35,7 +35,7 @@ def on_processes(tasks: Iterable[Task], done: Done, options: EngineOptions) -> N
     """Work off the tasks in processes: as engine.Engine.
 
     Raises InputError where no scheduler or worker answers for `patience_s`, and where a worker has
-    another program or can't read a task's file.
+    another program or can't read a task's file, GLUnavailableError where one can't draw.
     """
     evidence = Evidence()
     with contextlib.ExitStack() as stack:
@@ -142,7 +142,7 @@ class _Run:
             again.append(task)
         elif future.status == "finished":
             if isinstance(result, Refused):
-                raise InputError(result.fault)
+                raise result.error()
             self._evidence.forget(task.key)
             done(task, result)
         else:
