@@ -8,7 +8,11 @@ import threading
 import time
 from pathlib import Path
 
+import numpy as np
+
+from relgloss_view.base.errors import GLUnavailableError
 from relgloss_view.catalogue.engine import Task
+from relgloss_view.catalogue.one_thread import thread_counts
 
 
 def square(number):
@@ -56,6 +60,18 @@ def place(number):
 def user(number):
     """Who runs it, and at home where."""
     return os.getuid(), os.environ["HOME"]
+
+
+def blas_threads(number):
+    """Threads of the linear algebra, and the bits of a product that depends on them."""
+    rng = np.random.default_rng(number)
+    a, b = rng.normal(size=(300, 300)), rng.normal(size=(300, 300))
+    return thread_counts(), (a @ b).tobytes()
+
+
+def no_context(number):
+    """No OpenGL here."""
+    raise GLUnavailableError("no OpenGL 3.3 context")
 
 
 def text_of(path):

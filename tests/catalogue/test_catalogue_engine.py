@@ -15,10 +15,11 @@ import catalogue_tasks as work
 import psutil
 import pytest
 
-from relgloss_view.base.errors import InputError
+from relgloss_view.base.errors import GLUnavailableError, InputError
 from relgloss_view.catalogue import cluster, cluster_processes, cluster_worker
 from relgloss_view.catalogue.cluster_worker import Program, Refused, perform, this_program
 from relgloss_view.catalogue.engine import EngineOptions, Lost, Task, run
+from relgloss_view.catalogue.one_thread import thread_counts
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -183,7 +184,9 @@ except Interrupted as error:
 """
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "number", [signal.SIGKILL, signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]
+)
 def test_no_worker_outlives_the_driver(number, tmp_path):
     """Killed, it leaves no process; interrupted, it ends with the signal's status and in time."""
     driver = subprocess.Popen(
@@ -229,6 +232,23 @@ def test_a_worker_that_cannot_read_is_named(tmp_path):
     assert line.startswith("worker ")
     assert str(missing) in line
     assert "\n" not in line
+
+
+def test_a_worker_that_cannot_draw_ends_the_run():
+    for options in (TWO, EngineOptions(workers=1)):
+        with pytest.raises(GLUnavailableError, match="no OpenGL"):
+            results(work.tasks_of(work.no_context, [0]), options)
+
+
+def test_linear_algebra_has_one_thread_in_every_engine():
+    """Here as well, though it was loaded with as many as there are processors; as before after."""
+    loaded = thread_counts()
+    assert loaded, "the wheels of numpy and scipy bring OpenBLAS"
+    tasks = work.tasks_of(work.blas_threads, range(4))
+    loop, processes = results(tasks, EngineOptions(workers=1)), results(tasks, TWO)
+    assert loop == processes
+    assert {tuple(counts) for counts, _ in loop.values()} == {(1,) * len(loaded)}
+    assert thread_counts() == loaded
 
 
 def test_another_program_is_refused():

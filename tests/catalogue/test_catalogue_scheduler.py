@@ -31,9 +31,9 @@ STARTED_S = 60.0
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="ends by signals")
 
 
-def elsewhere(home):
-    """Variables of a process that has another home and the same program."""
-    packages = (str(ROOT), str(HERE), sysconfig.get_path("purelib"))
+def elsewhere(home, *packages):
+    """Variables of a process that has another home and the same program, or what is named."""
+    packages = packages or (str(ROOT), str(HERE), sysconfig.get_path("purelib"))
     kept = {name: value for name, value in os.environ.items() if name not in ONE_THREAD}
     return {**kept, "HOME": str(home), "PYTHONPATH": os.pathsep.join(packages)}
 
@@ -50,7 +50,7 @@ class Cluster:
         self.processes = []
         self.scheduler = None
 
-    def start(self, *words):
+    def start(self, *words, packages=()):
         """Start `dask WORDS` elsewhere: another folder and, where we may, another user."""
         home = self.folder / "home"
         home.mkdir(exist_ok=True)
@@ -62,7 +62,7 @@ class Cluster:
         process = subprocess.Popen(
             command,
             cwd=home,
-            env=elsewhere(home),
+            env=elsewhere(home, *packages),
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             process_group=0,
@@ -70,12 +70,12 @@ class Cluster:
         self.processes.append(process)
         return process
 
-    def start_scheduler(self, port=0):
+    def start_scheduler(self, port=0, packages=()):
         """Start the scheduler. Returns its address."""
         self.file.unlink(missing_ok=True)
         words = ("--host", "127.0.0.1", "--port", str(port), "--no-dashboard")
         where = ("--scheduler-file", str(self.file), "--dashboard-address", "127.0.0.1:0")
-        self.scheduler = self.start("scheduler", *words, *where)
+        self.scheduler = self.start("scheduler", *words, *where, packages=packages)
         end_s = time.monotonic() + STARTED_S
         while time.monotonic() < end_s:
             with contextlib.suppress(OSError, ValueError):
@@ -83,11 +83,11 @@ class Cluster:
             time.sleep(0.05)
         raise AssertionError("no scheduler has started")
 
-    def start_worker(self, name, *more):
+    def start_worker(self, name, *more, packages=()):
         """Start a worker with one thread."""
         place = ("--local-directory", str(self.folder / "home"))
         words = ("--scheduler-file", str(self.file), "--nthreads", "1", "--no-dashboard")
-        return self.start("worker", *words, "--name", name, *place, *more)
+        return self.start("worker", *words, "--name", name, *place, *more, packages=packages)
 
     def close(self):
         """End all processes, with those that they have started."""
@@ -228,6 +228,45 @@ def test_four_workers_of_another_user(cluster_folder):
     assert line.startswith("worker w")
     assert "user nobody" in line
     assert f"Permission denied: '{private}'" in line
+
+
+@pytest.fixture
+def other_program(tmp_path):
+    """Folders that hide relgloss from a process, or give it another one."""
+
+    def made(version):
+        package = tmp_path / f"with {version}" / "relgloss_view"
+        package.mkdir(parents=True)
+        text = "" if version else "raise ImportError('not installed')"
+        (package / "__init__.py").write_text(text)
+        if version:
+            (package / "base").mkdir()
+            (package / "base" / "version.py").write_text(f"__version__ = {version!r}")
+        return (str(package.parent),)
+
+    return made
+
+
+@pytest.mark.slow
+def test_a_cluster_with_another_program(cluster, other_program):
+    """Worker, then scheduler: one line each, and the workers live on."""
+    address = cluster.start_scheduler()
+    options = EngineOptions(scheduler=address, patience_s=STARTED_S)
+    old = cluster.start_worker("old", packages=other_program("0.0.1"))
+    with pytest.raises(InputError, match=r"worker tcp://\S+ relgloss 0\.0\.1 in place of "):
+        results(work.tasks_of(work.square, range(3)), options)
+    assert old.poll() is None
+    cluster.close()
+    address = cluster.start_scheduler()
+    options = EngineOptions(scheduler=address, patience_s=STARTED_S)
+    bare = cluster.start_worker("bare", packages=other_program(None))
+    with pytest.raises(InputError, match=r"worker tcp://\S+ it has no relgloss"):
+        results(work.tasks_of(work.square, range(3)), options)
+    assert bare.poll() is None
+    cluster.close()
+    address = cluster.start_scheduler(packages=other_program(""))
+    with pytest.raises(InputError, match=f"scheduler {address}: it has no relgloss"):
+        results(work.tasks_of(work.square, range(3)), EngineOptions(scheduler=address))
 
 
 @pytest.mark.slow
