@@ -17,7 +17,7 @@ from relgloss_view.picture.output.contact_sheet import INK_GRAY, PAPER_GRAY, con
 from relgloss_view.picture.output.lettering import Lettering
 
 MOST = 400  #: pictures on a sheet
-COLUMNS = 8  #: a sheet of few hits is as wide as they are
+LEAST_COLUMNS, COLUMNS = 4, 8  #: a title has room above four places
 WIDE = 1.5  #: width of a hit's place over its picture's, so that names have room
 TEXT_SHARE = 14  #: as contact_sheet: a place is so many letters' heights wide
 DOTS = "..."
@@ -29,9 +29,14 @@ def hits_sheet(found: Found, thumbnails: Mapping[str, bytes], size_px: int) -> B
     thumbnails: PNG by path; a hit without one keeps an empty place. size_px: of a thumbnail.
     """
     hits = found.hits[:MOST]
-    across = min(COLUMNS, max(3, math.ceil(math.sqrt(1.5 * len(hits)))), max(len(hits), 1))
+    across = min(COLUMNS, max(LEAST_COLUMNS, math.ceil(math.sqrt(1.5 * len(hits)))))
     pictures = [_place(hit, thumbnails.get(hit.path), size_px) for hit in hits]
     captions = [_numbers(hit) for hit in hits]
+    if not hits:
+        pictures, captions = [_place(None, None, size_px)], [""]
+    while len(pictures) < LEAST_COLUMNS:
+        pictures.append(np.full_like(pictures[0], PAPER_GRAY))
+        captions.append("")
     width = pictures[0].shape[1]
     letters = Lettering(max(11, min(18, width // TEXT_SHARE)))
     room = across * (width + max(8, width // 24))
@@ -48,8 +53,8 @@ def _rows(values: Sequence[Any], across: int) -> list[list[Any]]:
     return [list(values[k : k + across]) for k in range(0, len(values), across)]
 
 
-def _place(hit: Hit, png: bytes | None, size_px: int) -> Bytes:
-    """A hit's picture in the middle of its place, its name below."""
+def _place(hit: Hit | None, png: bytes | None, size_px: int) -> Bytes:
+    """A hit's picture in the middle of its place, its name below; without a hit that is said."""
     from PIL import Image, ImageDraw
 
     width = round(WIDE * size_px)
@@ -60,11 +65,13 @@ def _place(hit: Hit, png: bytes | None, size_px: int) -> Bytes:
         with Image.open(io.BytesIO(png), formats=("PNG",)) as picture:
             place.paste(picture.convert("RGB"), ((width - picture.width) // 2, 0))
     pen = ImageDraw.Draw(place)
-    name = _fitted(f"{hit.rank}. {printable(hit.name, 80)}", letters, width)
     ink = (INK_GRAY,) * 3
-    letters.draw(pen, (width / 2, size_px + 0.6 * line), name, ink, "mm")
     if png is None:
-        letters.draw(pen, (width / 2, size_px / 2), "no picture", ink, "mm")
+        words = "no hits" if hit is None else "no picture"
+        letters.draw(pen, (width / 2, size_px / 2), words, ink, "mm")
+    if hit is not None:
+        name = _fitted(f"{hit.rank}. {printable(hit.name, 80)}", letters, width)
+        letters.draw(pen, (width / 2, size_px + 0.6 * line), name, ink, "mm")
     return np.asarray(place)
 
 

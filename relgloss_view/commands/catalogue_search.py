@@ -84,10 +84,10 @@ def run(args: argparse.Namespace) -> int:
         exact = None if args.quick else renderer
         found = search(catalogue, query, limit, renderer=exact, progress=progress)
         with together():
-            if args.proofs is not None and found.hits:
+            if args.proofs is not None:
                 assert renderer is not None
                 proofs = _proofs(args.proofs, found, catalogue, renderer, progress)
-            if args.output is not None and found.hits:
+            if args.output is not None:
                 _sheet(args.output, found, catalogue)
             if args.page is not None:
                 _page(args, found, catalogue, proofs)
@@ -97,7 +97,7 @@ def run(args: argparse.Namespace) -> int:
         print(json.dumps(content, allow_nan=False))
         return 0
     print(listing(found))
-    _print_files(args, found, proofs)
+    _print_files(args, proofs)
     return 0
 
 
@@ -162,15 +162,11 @@ def _page(
     write_page(found, catalogue, args.page, {one.path: folder / one.file for one in proofs})
 
 
-def _print_files(args: argparse.Namespace, found: Found, proofs: tuple[MadeProof, ...]) -> None:
-    if args.output is not None:
-        made = "contact sheet" if found.hits else "not written, because there are no hits"
-        print(f"{printable(args.output)}: {made}")
-    if args.page is not None:
-        print(f"{printable(args.page)}: page of the hits")
+def _print_files(args: argparse.Namespace, proofs: tuple[MadeProof, ...]) -> None:
+    for name, words in ((args.output, "contact sheet"), (args.page, "page of the hits")):
+        if name is not None:
+            print(f"{printable(name)}: {words}")
     if args.proofs is not None:
-        if not proofs:
-            print(f"{printable(args.proofs)}: not written, because there are no hits")
-            return
-        each = sum(one.seconds for one in proofs) / len(proofs)
-        print(f"{printable(args.proofs)}: {len(proofs)} proofs, {each:.1f} s each")
+        each = sum(one.seconds for one in proofs) / max(len(proofs), 1)
+        count = f"{len(proofs)} proof{'' if len(proofs) == 1 else 's'}"
+        print(f"{printable(args.proofs)}: {count}" + f", {each:.1f} s each" * bool(proofs))

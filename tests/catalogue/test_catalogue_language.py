@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 import time
+from pathlib import Path
 
 import pytest
 from hypothesis import example, given, settings
@@ -140,6 +142,23 @@ PHRASES = {
     "ratio kept": Flag("is_ratio_kept", True),
     "ratio not kept": Flag("is_ratio_kept", False),
     "is_ratio_kept no": Flag("is_ratio_kept", False),
+    "gloss 60 40-50": Range("gloss_60", 40.0, 50.0),
+    "gloss 60: 40 to 50": Range("gloss_60", 40.0, 50.0),
+    "gloss 60 > 40 and < 50": All((above("gloss_60", 40.0), below("gloss_60", 50.0))),
+    "haze > 3 and at least 2 x as glossy as X": All(
+        (above("haze", 3.0), GlossRatio(R("X"), low=2.0))
+    ),
+    "quality good or poor": Any(
+        (TextTest("quality", IS, "good"), TextTest("quality", IS, "poor"))
+    ),
+    "a > 20": above("a_star", 20.0),
+    "name varnish": TextTest("name", CONTAINS, "varnish"),
+    "in folder lot1": TextTest("path", WITHIN, "lot1"),
+    "without warnings": Present("warnings", False),
+    "same gloss as X within 5 %": GlossRatio(R("X"), 1.0, 0.05),
+    "colour within dE 3 of Lab(50, 20, 10)": ColourNear((50.0, 20.0, 10.0), 3.0),
+    "like cast-coated": Nearest(R("cast-coated")),
+    "all": None,
     "haze < 3 or haze > 9 and failed": Any(
         (below("haze", 3.0), All((above("haze", 9.0), TextTest("status", IS, "failed"))))
     ),
@@ -185,6 +204,22 @@ def test_order_and_number_of_hits():
     assert (query.condition, query.first) == (TextTest("name", CONTAINS, "first sample"), 3)
 
 
+def documented_phrases():
+    """The phrases of the table in docs/catalogue.md, with a sample's name for its dots."""
+    page = Path(__file__).resolve().parents[2] / "docs" / "catalogue.md"
+    text = page.read_text(encoding="utf-8")
+    table = text.split("### Phrases", 1)[1].split("###", 1)[0]
+    rows = [line for line in table.splitlines() if line.startswith("| ")]
+    return [phrase.replace("...", "X") for row in rows for phrase in re.findall("`(.+?)`", row)]
+
+
+def test_documented_phrases_are_understood():
+    phrases = documented_phrases()
+    assert len(phrases) > 40
+    for phrase in phrases:
+        assert parse(phrase).condition is not None, phrase
+
+
 #: text, the characters at fault, words of the message
 FAULTS = [
     ("gloss 60 > 40,5", (11, 15), "40.5 with a point"),
@@ -219,6 +254,9 @@ FAULTS = [
     ("0 x as glossy as X", (0, 3), "above 0"),
     ("as glossy as X within 5", (15, 23), "%"),
     ("as glossy as X at 50 degrees", (15, 28), "20, 60, 75 or 85"),
+    ("40 < gloss 60 < 50", (0, 2), "between 40 and 50"),
+    ("not quality good or poor", (20, 24), "not a known word here"),
+    ("gloss 60 desc", (0, 13), "sort by gloss 60 descending"),
     ("sort by glos", (8, 12), "did you mean"),
     ("sort by closeness", (0, 17), "close to"),
     ("first 0", (6, 7), "whole number"),

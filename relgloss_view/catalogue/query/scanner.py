@@ -99,6 +99,11 @@ class Scanner:
         """Whether a number is here."""
         return self.peek(NUMBER) is not None
 
+    def at_end_of_text(self) -> bool:
+        """Whether a text without quotation marks would end here, before its first word."""
+        match = PIECE.match(self.text, self.skip())
+        return match is None or match.group().lower() in ENDS
+
     def value(self, expected: str, *, is_name: bool = False) -> tuple[str, tuple[int, int]]:
         """The text here and its place: in quotes, or up to `and`, `or`, a comma, a parenthesis.
 

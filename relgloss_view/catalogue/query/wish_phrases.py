@@ -28,16 +28,18 @@ NEAREST_COLOUR = (
 )  # fmt: skip
 NEAREST = (
     "nearest to", "nearest", "closest to", "most like", "looks most like", "looks like",
+    "like",
     "similar to", "most similar to", "picture near", "picture nearest to",
 )  # fmt: skip
 AS_GLOSSY = ("as glossy as", "as shiny as")
+SAME = ("same gloss as", "the same gloss as")
 MORE = ("glossier than", "more glossy than", "shinier than")
 LESS = ("less glossy than", "duller than", "matter than", "more matte than")
 TIMES = re.compile(r"(?:x|\u00d7|times|fold)(?!\w)|%", re.I)
 TIMES_AS = re.compile(
     r"[+\-]?[0-9.]+(?:,[0-9]+)?\s{0,9}(?:x|\u00d7|times|fold|%)\s{0,9}(?:as|the)\s", re.I
 )
-LABEL = re.compile(r"(?:CIE\s?)?L\*?\s?a\*?\s?b\*?(?!\w)\s*[:=]?|\(|colou?r(?!\w)", re.I)
+LABEL = re.compile(r"(?:CIE\s?)?L\*?\s?a\*?\s?b\*?(?!\w)\s*[:=(]?|\(|colou?r(?!\w)", re.I)
 AXES = tuple(
     re.compile(rf"{axis}\s?(?:\*|_star)?\s?[:=]?(?=\s*[-+.0-9\u2212])", re.I) for axis in "Lab"
 )
@@ -190,6 +192,8 @@ def _ratio(scanner: Scanner) -> Condition | None:
         if word in MORE:
             return GlossRatio(reference, low=1.0, with_low=False, column=column)
         return GlossRatio(reference, high=1.0, with_high=False, column=column)
+    if scanner.word(*SAME):
+        return _near_ratio(scanner, 1.0)
     side = None
     for name, words in (("low", AT_LEAST), ("high", AT_MOST), ("above", ABOVE), ("below", BELOW)):
         if scanner.word(*words):
@@ -205,18 +209,24 @@ def _ratio(scanner: Scanner) -> Condition | None:
         scanner.at = start
         return None
     value = factor[0]
+    if side is None:
+        return _near_ratio(scanner, value)
     reference, column = _with_angle(scanner)
-    if side is not None:
-        low = value if side in ("low", "above") else 0.0
-        high = value if side in ("high", "below") else math.inf
-        return GlossRatio(
-            reference, low=low, high=high, with_low=side != "above", with_high=side != "below",
-            column=column,
-        )  # fmt: skip
+    return GlossRatio(
+        reference,
+        low=value if side in ("low", "above") else 0.0,
+        high=value if side in ("high", "below") else math.inf,
+        with_low=side != "above",
+        with_high=side != "below",
+        column=column,
+    )
+
+
+def _near_ratio(scanner: Scanner, wanted: float) -> GlossRatio:
+    """The sample, the angle and the tolerance after "as glossy as"."""
+    reference, column = _with_angle(scanner)
     tolerance = _share(scanner)
-    if column is None:
-        column = _angle(scanner)
-    return GlossRatio(reference, value, tolerance, column=column)
+    return GlossRatio(reference, wanted, tolerance, column=column or _angle(scanner))
 
 
 def _factor(scanner: Scanner) -> tuple[float, bool] | None:
