@@ -39,6 +39,7 @@ PERCENTILE = 95.0
 REGIONS_DEG = (2.0, 6.0, 18.0, 180.0)
 ROWS = 5  #: of a thumbnail that are compared; a cylinder's picture hardly changes along its axis
 AT_ONCE = 250  #: thumbnails compared at once
+READ_AT_ONCE = 2000  #: thumbnails in memory
 MEASURES = (
     Measure("picture_difference", "picture dE2000", 2),
     Measure("picture_mean", "object mean", 2),
@@ -122,10 +123,10 @@ class PictureIndex:
         place, _ = _compared_pixels(size)
         paths = [str(row["path"]) for row in catalogue.rows]
         rows, pixels = [], []
-        for start in range(0, len(paths), AT_ONCE):
+        for start in range(0, len(paths), READ_AT_ONCE):
             progress(start / len(paths), "reading thumbnails")
-            some = catalogue.thumbnails(paths[start : start + AT_ONCE])
-            for k, path in enumerate(paths[start : start + AT_ONCE], start):
+            some = catalogue.thumbnails(paths[start : start + READ_AT_ONCE])
+            for k, path in enumerate(paths[start : start + READ_AT_ONCE], start):
                 picture = _decoded(some.get(path), size)
                 if picture is not None:
                     rows.append(k)
