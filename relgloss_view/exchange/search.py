@@ -27,7 +27,7 @@ ROWS = 5  #: of the picture while searching
 #: Ways are tried in turn until one costs this: the first are the plainest, which every program
 #: draws alike.
 ENOUGH = 0.5
-STEP = 2e-4  #: of a parameter, for slopes: well above the rounding of gamut mapping
+STEP = 2e-4  #: of a parameter, for slopes
 #: A reading of a mirror is hundreds of units; this share of it counts as MOST_GLOSS_UNITS there.
 GLOSS_SHARE = 0.03
 GLOSS_WEIGHT = 0.7
