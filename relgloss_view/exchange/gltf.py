@@ -100,9 +100,7 @@ class _Pictures:
 
 def _pack(pack: Pack, most_px: int) -> tuple[bytes, Exported]:
     label, layers = label_of(pack.shape), layers_of(pack)
-    refits = [
-        refit_gltf(plain.material, keeps_body=True) for plain in plain_finishes(pack, LAMP)
-    ]
+    refits = [refit_gltf(plain.material, keeps_body=True) for plain in plain_finishes(pack, LAMP)]
     surfaces = [_surface(refit) for refit in refits]
     size = texture_size(pack, label, most_px)
     builder = Builder()
@@ -236,5 +234,3 @@ def _put_mesh(
     number = builder.add("meshes", {"name": name, "primitives": primitives})
     lowest = -float(np.float32(mesh.points_m[:, 1].min()))
     builder.add("nodes", {"name": name, "mesh": number, "translation": [0.0, lowest, 0.0]})
-
-

@@ -73,7 +73,9 @@ def families(material: Material, keeps_body: bool) -> tuple[Family, ...]:
     main = main_lobe(material)
     body = _rgb(material.diffuse.albedo, material)
     fixed: Colour = _colour(body)
-    open_body = () if keeps_body else tuple(Unknown(min(float(v) / 0.95, 0.99), 0.0, 1.0) for v in body)
+    open_body = (
+        () if keeps_body else tuple(Unknown(min(float(v) / 0.95, 0.99), 0.0, 1.0) for v in body)
+    )
     first = len(open_body)
 
     def base(x: Array) -> Colour:
@@ -112,7 +114,12 @@ def families(material: Material, keeps_body: bool) -> tuple[Family, ...]:
         Unknown(min(0.9, strength), 0.0, 1.0),
         start,
     )
-    below = (Unknown(0.7, 0.0, 1.0), start, Unknown(0.1, 0.0, 1.0), start._replace(start=0.5 * rough))
+    below = (
+        Unknown(0.7, 0.0, 1.0),
+        start,
+        Unknown(0.1, 0.0, 1.0),
+        start._replace(start=0.5 * rough),
+    )
     alone = (
         Unknown(min(0.9, strength), 0.0, 1.0),
         start,
