@@ -16,6 +16,7 @@ from relgloss_view.base.reading import named, printable, read_beginning
 from relgloss_view.exchange.loss import Loss
 from relgloss_view.material.material import Material
 from relgloss_view.pack.pack import Pack
+from relgloss_view.pack.shape import Shape
 
 HEAD_BYTES = 4096  #: by which a file's format is recognised
 
@@ -25,11 +26,14 @@ class ExportOptions:
     """What a user asks for beside the format; a writer ignores what it has no use for.
 
     step_deg: of grids and tables, degrees; None for the format's own. illuminant: the lamp under
-    which RGB values are formed.
+    which RGB values are formed. shape: that a plain material is put on; None for the paper's
+    cylinder. most_px: of the longest side of a texture.
     """
 
     step_deg: float | None = None
     illuminant: str = "D65"
+    shape: Shape | None = None
+    most_px: int = 4096
 
 
 @dataclass(frozen=True)
@@ -86,12 +90,28 @@ class ReadFormat(NamedTuple):
         return read(path, part)
 
 
+def _is_gltf(head: bytes) -> bool:
+    """Whether a file begins as .glb, or as the JSON of .gltf does."""
+    begin = head.removeprefix(b"\xef\xbb\xbf").lstrip()
+    gltf = (
+        b'"asset"',
+        b'"buffers"',
+        b'"accessors"',
+        b'"scene"',
+        b'"materials"',
+        b'"extensionsUsed"',
+    )
+    return head.startswith(b"glTF") or (begin.startswith(b"{") and any(w in head for w in gltf))
+
+
 #: What is written, by the ending of the file's name.
 FORMATS: dict[str, Format] = {
+    ".glb": Format("glTF 2.0", "gltf:write", takes_packs=True),
     ".mtlx": Format("MaterialX (OpenPBR surface)", "materialx:write", takes_packs=True),
 }
 #: What is read, by its beginning.
 READERS: tuple[ReadFormat, ...] = (
+    ReadFormat("glTF 2.0", _is_gltf, "gltf_reading:read"),
     ReadFormat("MaterialX", lambda head: b"<materialx" in head, "materialx_reading:read"),
 )
 

@@ -70,11 +70,11 @@ def glb(
 def _material(material: Material, shape: Shape) -> tuple[bytes, Exported]:
     refit = refit_gltf(material)
     builder = Builder()
-    entry = {"name": material.name, **_surface(refit).as_json()}
-    own = {"loss": refit.loss.as_json(), "lines": list(refit.lines)}
+    entry = _surface(refit).as_json()
+    own: dict[str, Any] = {"loss": refit.loss.as_json(), "lines": list(refit.lines)}
     own |= own_numbers(material, entry)
     builder.uses(entry.get("extensions", {}))
-    number = builder.add("materials", {**entry, "extras": {OWN: own}})
+    number = builder.add("materials", {"name": material.name, **entry, "extras": {OWN: own}})
     mesh = triangles_of(shape)
     _put_mesh(builder, mesh, shape.kind, [number] * len(mesh.parts), [True] * len(mesh.parts))
     lines = (*refit.lines, *MATERIAL_LINES)

@@ -1,4 +1,4 @@
-"""The triangles of every form for other programs: those of pack.forms, and the four exact shapes."""
+"""The triangles of every form for other programs: of pack.forms, and of the four exact shapes."""
 
 from __future__ import annotations
 

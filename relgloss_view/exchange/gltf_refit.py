@@ -103,8 +103,9 @@ def families(material: Material, keeps_body: bool) -> tuple[Family, ...]:
         return GltfSurface(base(x), 0.0, roughness, 1.5, weight, colour)
 
     def two(x: Array) -> GltfSurface:
-        weight, roughness, coat, coat_roughness = (float(v) for v in x[first : first + 4])
-        return GltfSurface(base(x), 0.0, roughness, 1.5, weight, hue, coat, coat_roughness)
+        weight, roughness, coat, coat_roughness, f0 = (float(v) for v in x[first : first + 5])
+        colour = _colour(np.asarray(hue) * f0)
+        return GltfSurface(base(x), 0.0, roughness, 1.5, weight, colour, coat, coat_roughness)
 
     strength = max(lobe.strength)
     start = Unknown(rough, LEAST_ROUGHNESS, 1.0)
@@ -113,12 +114,21 @@ def families(material: Material, keeps_body: bool) -> tuple[Family, ...]:
         Unknown(max(wide, min(1.0, 2.0 * rough)), LEAST_ROUGHNESS, 1.0),
         Unknown(min(0.9, strength), 0.0, 1.0),
         start,
+        Unknown(1.0, 0.0, MOST_SPECULAR),
+    )
+    both = (
+        Unknown(min(0.9, strength), 0.0, 1.0),
+        start,
+        Unknown(min(0.9, strength), 0.0, 1.0),
+        start,
+        Unknown(0.3, 0.0, MOST_SPECULAR),
     )
     below = (
         Unknown(0.7, 0.0, 1.0),
         start,
         Unknown(0.1, 0.0, 1.0),
         start._replace(start=0.5 * rough),
+        Unknown(1.0, 0.0, MOST_SPECULAR),
     )
     alone = (
         Unknown(min(0.9, strength), 0.0, 1.0),
@@ -129,6 +139,7 @@ def families(material: Material, keeps_body: bool) -> tuple[Family, ...]:
         Family("specular alone", (*open_body, *alone), one),
         Family("clear coat above a wide specular lobe", (*open_body, *coated), two),
         Family("specular below a narrow clear coat", (*open_body, *below), two),
+        Family("clear coat above an equal specular lobe", (*open_body, *both), two),
     )
 
 
