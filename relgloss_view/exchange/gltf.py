@@ -78,7 +78,7 @@ def _material(material: Material, shape: Shape) -> tuple[bytes, Exported]:
     mesh = triangles_of(shape)
     _put_mesh(builder, mesh, shape.kind, [number] * len(mesh.parts), [True] * len(mesh.parts))
     lines = (*refit.lines, *MATERIAL_LINES)
-    data = builder.bytes({OWN: {"lines": list(lines), "losses": {material.name: own["loss"]}}})
+    data = builder.file_bytes({OWN: {"lines": list(lines), "losses": {material.name: own["loss"]}}})
     return data, Exported(lines, {material.name: refit.loss})
 
 
@@ -135,7 +135,7 @@ def _pack(pack: Pack, most_px: int) -> tuple[bytes, Exported]:
         "losses": {name: loss.as_json() for name, loss in losses.items()},
         "finishes": [_finish(pack, k, surfaces[k], refits[k]) for k in sorted(lying)],
     }
-    return builder.bytes({OWN: extras}), Exported(tuple(lines), losses)
+    return builder.file_bytes({OWN: extras}), Exported(tuple(lines), losses)
 
 
 def _finish(pack: Pack, number: int, surface: GltfSurface, refit: Refit) -> dict[str, Any]:

@@ -84,7 +84,7 @@ class Builder:
         """Extensions that a material has."""
         self._extensions.update(names)
 
-    def bytes(self, extras: dict[str, Any]) -> bytes:
+    def file_bytes(self, extras: dict[str, Any]) -> bytes:
         """The whole file; its only scene holds all nodes. extras: of the asset."""
         content: dict[str, Any] = {
             "asset": {"version": "2.0", "generator": PROGRAM, "extras": extras},

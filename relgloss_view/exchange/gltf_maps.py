@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array, Bytes
+from relgloss_view.base.arrays import Array, Bytes, Ints
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.room import Need, check_room
 from relgloss_view.exchange.gltf_brdf import GltfSurface
@@ -23,7 +23,7 @@ from relgloss_view.pack.label import Label
 from relgloss_view.pack.layers import Layers, layers_of
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.paint import paint_from_rgb
-from relgloss_view.picture.model.surface import printed_at
+from relgloss_view.picture.model.surface import ArtworkPlace, printed_at
 
 TEXELS_AT_ONCE = 1 << 18
 #: A picture of what is printed becomes a JPEG where its PNG is larger.
@@ -32,6 +32,8 @@ JPEG_QUALITY = 95
 #: Scales among which the one is taken that puts all values nearest to steps of 1/255.
 SCALES = 400
 LEAST_SHARE = 0.5 / 255.0
+#: Where the label's texels are this near to the artwork's, the artwork is taken as it is.
+SAME_TEXEL = 0.5
 #: Colours that are further than this outside sRGB are counted, in linear light.
 OUTSIDE = 0.002
 
@@ -100,6 +102,7 @@ class _Texels:
         self.metal = np.array([surface.metallic > 0.5 for surface in surfaces])
         self.own = np.array([own_colour(finish.material) for finish in pack.finishes])
         self.facing = np.array([surface.base_color for surface in surfaces])
+        self.as_it_is = self._lies_as_it_is()
 
     def maps(self) -> Maps:
         colour = np.zeros((self.rows, self.columns, 3), dtype=np.uint8)
@@ -142,8 +145,33 @@ class _Texels:
             outside / (self.rows * self.columns),
         )
 
-    def _strip(self, rows: Array) -> tuple[Array, Array]:
+    def _strip(self, rows: Ints) -> tuple[Array, Array]:
         """Base colour in linear sRGB (N, 3), and specular shares (N, F), of rows of texels."""
+        if self.as_it_is:
+            paint = self.layers.paint[rows].reshape(-1, 4).astype(np.float64)
+            channels = self.layers.channels[rows].reshape(len(paint), -1) / 255.0
+            specular, diffuse = self.layers.shares(channels)
+        else:
+            paint, specular, diffuse = self._filtered(rows)
+        return self._coloured(paint, specular, diffuse), specular
+
+    def _lies_as_it_is(self) -> bool:
+        """Whether the label's texels are those of the artwork, so that nothing is filtered."""
+        covered = max(self.layers.part_finish[self.part], self.layers.part_diffuse[self.part])
+        if covered >= 0 or (self.columns, self.rows) != self.layers.size_px:
+            return False
+        place = ArtworkPlace.of(self.pack.placement, self.layers, self.label)
+        width, height = self.label.size_m
+        size = np.array([self.columns, self.rows], dtype=np.float64)
+        # Of the outermost texels: the whole turns of a label that goes around are no matter.
+        inside = 0.5 - 0.5 / size
+        signs = np.array([(-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)])
+        corners = place.of_label(signs * inside * (width, height))
+        expected = 0.5 + signs * inside * (1.0, -1.0)
+        return bool(np.all(np.abs(corners - expected) * size <= SAME_TEXEL))
+
+    def _filtered(self, rows: Ints) -> tuple[Array, Array, Array]:
+        """Paint (N, 4), specular and diffuse shares (N, F) each, as a picture's pixels see them."""
         width, height = self.label.size_m
         x = ((np.arange(self.columns) + 0.5) / self.columns - 0.5) * width
         y = (0.5 - (rows + 0.5) / self.rows) * height
@@ -154,8 +182,12 @@ class _Texels:
         paint, (specular, diffuse) = printed_at(
             self.pack, self.layers, self.label, part, label_m, (right, down)
         )
+        return paint, specular, diffuse
+
+    def _coloured(self, paint: Array, specular: Array, diffuse: Array) -> Array:
+        """Base colours (N, 3), linear sRGB: of metals their F0, of others the body."""
         printed = paint[:, :3] @ _rgb_from_paint().T + (1.0 - paint[:, 3:]) * self.own[0]
-        body = np.zeros((len(label_m), 3))
+        body = np.zeros((len(paint), 3))
         # A metal's diffuse part lies open only where something else has its lobes.
         shown = np.where(self.metal, np.maximum(diffuse - specular, 0.0), diffuse)
         for k, finish in enumerate(self.pack.finishes):
@@ -170,7 +202,7 @@ class _Texels:
         open_body = np.where(total > LEAST_SHARE, (1.0 - metallic) / np.maximum(total, 1e-9), 0.0)
         linear = facing + open_body[:, None] * body
         covered = metallic + np.where(total > LEAST_SHARE, 1.0 - metallic, 0.0)
-        return linear / np.maximum(covered, 1e-9)[:, None], specular
+        return np.asarray(linear / np.maximum(covered, 1e-9)[:, None])
 
     def _values(self, name: str, present: tuple[int, ...]) -> Array:
         """A factor of each finish; of a coat that is not there, the other coats' roughness."""
@@ -248,7 +280,7 @@ def image_file(picture: Bytes, *, may_be_jpeg: bool = False) -> bytes:
 
     image = Image.fromarray(np.ascontiguousarray(picture))
     file = io.BytesIO()
-    image.save(file, "PNG", compress_level=9)
+    image.save(file, "PNG", compress_level=6)
     if may_be_jpeg and file.tell() > MOST_PNG_BYTES:
         file = io.BytesIO()
         image.save(file, "JPEG", quality=JPEG_QUALITY, subsampling=0, optimize=True)

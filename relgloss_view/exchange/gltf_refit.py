@@ -116,13 +116,6 @@ def families(material: Material, keeps_body: bool) -> tuple[Family, ...]:
         start,
         Unknown(1.0, 0.0, MOST_SPECULAR),
     )
-    both = (
-        Unknown(min(0.9, strength), 0.0, 1.0),
-        start,
-        Unknown(min(0.9, strength), 0.0, 1.0),
-        start,
-        Unknown(0.3, 0.0, MOST_SPECULAR),
-    )
     below = (
         Unknown(0.7, 0.0, 1.0),
         start,
@@ -139,7 +132,6 @@ def families(material: Material, keeps_body: bool) -> tuple[Family, ...]:
         Family("specular alone", (*open_body, *alone), one),
         Family("clear coat above a wide specular lobe", (*open_body, *coated), two),
         Family("specular below a narrow clear coat", (*open_body, *below), two),
-        Family("clear coat above an equal specular lobe", (*open_body, *both), two),
     )
 
 
