@@ -297,6 +297,10 @@ class TestAnswers:
         assert (content["total"], len(content["hits"])) == (2, 1)
         assert set(content["hits"][0]) == {"rank", "numbers", *NAMES} - {"thumbnail"}
 
+    def test_json_holds_no_infinity(self):
+        found = search(MemoryCatalogue([gray("a.csv", c_spread=float("inf"))]), "")
+        assert found.as_json()["hits"][0]["c_spread"] is None
+
     def test_an_empty_catalogue(self):
         found = search(MemoryCatalogue([]), "gloss 60 > 20 and name contains x")
         assert (found.total, found.searched) == (0, 0)
