@@ -262,7 +262,7 @@ class TestNames:
         found = search(MemoryCatalogue(rows), "colour near blue VARNISH")
         assert found.reference.words == "item x/7.csv"
 
-    @pytest.mark.parametrize("name", ["x/y/7.csv", "7.csv", "7", "Seven", "X/Y/7.CSV"])
+    @pytest.mark.parametrize("name", ["x/y/7.csv", "7.csv", '"7"', "Seven", "X/Y/7.CSV"])
     def test_every_way_to_name_a_file(self, name):
         colour = {"L_star": 50.0, "a_star": 0.0, "b_star": 0.0}
         rows = [*self.ROWS, {**gray("x/y/7.csv"), "name": "seven", **colour}]
