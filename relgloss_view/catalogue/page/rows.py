@@ -8,7 +8,6 @@ from __future__ import annotations
 import io
 import math
 import os
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -159,4 +158,4 @@ def small_picture(png: bytes) -> bytes:
 
 def plain_number(value: float | None, decimals: int) -> str:
     """A number for the table without scripts."""
-    return "\u2013" if value is None else re.sub(r"^-(0\.?0*)$", r"\1", f"{value:.{decimals}f}")
+    return "\u2013" if value is None else f"{value:z.{decimals}f}"
