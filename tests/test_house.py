@@ -329,7 +329,7 @@ REPLACING = {
     "measure/readers/header.py",
     "measure/readers/headings.py",
     "pack/artwork/pdf_page.py",  # the words of a page
-    "proof/page/build.py",  # import lines of our own JavaScript
+    "base/page_scripts.py",  # import lines of our own JavaScript
     "pack/artwork/plate_names.py",  # names as they are compared
     "picture/gpu/constants.py",  # the names of our own choices
     "picture/gpu/shader.py",  # the compiler's log
