@@ -89,10 +89,10 @@ class ReadFormat(NamedTuple):
 
 
 def _is_gltf(head: bytes) -> bool:
-    """Whether a file begins as glTF: as a .glb, or as JSON with its `asset`."""
-    return head.startswith(b"glTF") or (
-        head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{") and b'"asset"' in head
-    )
+    """Whether a file begins as glTF: as a .glb, or as JSON with one of glTF's words."""
+    words = (b'"asset"', b'"accessors"', b'"bufferViews"', b'"extensionsUsed"', b'"materials"')
+    is_object = head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")
+    return head.startswith(b"glTF") or (is_object and any(word in head for word in words))
 
 
 #: What is written, by the ending of the file's name.
