@@ -121,7 +121,7 @@ def _line(actions: CatalogueActions, opened: OpenCatalogue) -> None:
         widgets.wrapped(f"! {widgets.sentence(words)}")
     words = found_words(actions.found, opened)
     if actions.searching:
-        words += " ..."
+        words = f"{words}; {actions.progress or 'searching'} ..."
     shown = printable(words, MOST_TEXT)
     widgets.quiet(fitting(shown, imgui.get_content_region_avail().x))
     notes = () if actions.found is None else actions.found.notes

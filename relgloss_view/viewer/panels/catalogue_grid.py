@@ -38,6 +38,9 @@ def show(actions: CatalogueActions, opened: OpenCatalogue) -> None:
     if not found.hits:
         widgets.wrapped(NOTHING, dim=True)
         return
+    if actions.to_top:
+        imgui.set_next_window_scroll(ImVec2(0.0, 0.0))
+        actions.to_top = False
     imgui.begin_child("##tiles", ImVec2(0.0, 0.0))
     _Grid(actions, opened, found).show()
     imgui.end_child()

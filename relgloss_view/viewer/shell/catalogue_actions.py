@@ -53,6 +53,8 @@ class CatalogueActions:
         self.asked = Asked()
         self.found: Found | None = None  #: the last good result
         self.fault: QueryError | None = None  #: of what is typed now
+        self.progress = ""  #: of a search that takes a while, in words
+        self.to_top = False  #: whether the tiles that show next begin with the first
         self.selected = ""  #: path of the item that was chosen last
         self.dragged: Hit | None = None
         self.tile_em = TILE_EM
@@ -173,8 +175,8 @@ class CatalogueActions:
         if opened is None:
             return
         if self.searching and not self._search.busy:
-            asked = self.asked
-            self._search.start((opened, asked), lambda: searched(opened, asked))
+            asked, self.progress = self.asked, ""
+            self._search.start((opened, asked), lambda: searched(opened, asked, self._report))
         if not self._decode.busy and (wanted := self.thumbnails.take_wanted()):
             some = tuple(dict.fromkeys(wanted))[:AT_ONCE]
             self._decode.start((opened, some), lambda: decoded_thumbnails(opened.catalogue, some))
@@ -193,6 +195,10 @@ class CatalogueActions:
             return None
         return max(self._looked_s + LOOK_S - time.monotonic(), 0.0)
 
+    def _report(self, share: float, text: str) -> None:
+        """How far the search is, from its thread."""
+        self.progress = f"{text} {100.0 * share:.0f} %"
+
     def close(self) -> None:
         """Free what is on the device; the window is about to close."""
         self.thumbnails.release()
@@ -209,7 +215,7 @@ class CatalogueActions:
         elif ended.value is None:
             self.model.report(ended.fault, fault=True)
         else:
-            self.found = ended.value
+            self.found, self.to_top = ended.value, True
 
     def _take_pictures(self) -> None:
         ended = self._decode.take()

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.catalogue.columns import DONE
 from relgloss_view.catalogue.query.fault import QueryError
 from relgloss_view.catalogue.query.found import Found, Hit, Searched
@@ -122,10 +123,12 @@ class Asked:
         return phrase if typed is None else f"{self.text.rstrip().rstrip(',;')}, {phrase}"
 
 
-def searched(opened: OpenCatalogue, asked: Asked) -> Found | QueryError:
+def searched(
+    opened: OpenCatalogue, asked: Asked, progress: ProgressReport = no_progress
+) -> Found | QueryError:
     """What a query finds, or its fault; a thread does it."""
     try:
-        return opened.searcher.search(asked.query)
+        return opened.searcher.search(asked.query, progress=progress)
     except QueryError as error:
         return error
 
