@@ -49,9 +49,16 @@ UNIT = re.compile(
     r"|(?P<percent>%)",
     re.I,
 )
+TO = re.compile(r"(?:-|\u2013|\.\.\.?|to\b)\s*(?=[0-9.+-])", re.I)
 GLOSS = re.compile(r"(?:specular\s+|paper\s+)?gloss(?!\w)", re.I)
 GLOSS_NUMBER = re.compile(r"gloss[\s_-]{0,3}(?:at\s{0,3})?(?P<angle>[0-9.]+)", re.I)
+BARE = ("name", "path", "source")  #: columns whose text may follow without "contains"
 RATIO_KEPT = ("ratio kept", "ratio is kept", "ratio was kept")
+COMPARISON = re.compile(
+    r"[<>\u2264\u2265]|(?:above|below|over|under|at\s+least|at\s+most|up\s+to|less\s+than"
+    r"|more\s+than)\s*[-+.0-9]",
+    re.I,
+)
 RATIO_NOT_KEPT = ("ratio not kept", "ratio is not kept", "ratio was not kept", "ratio lost")
 YES, NO = ("yes", "true"), ("no", "false")
 NUMBER_WORDS = "between 40 and 50, above 40, below 40, at least, at most, is, about, missing"
@@ -69,6 +76,12 @@ def column(scanner: Scanner) -> str | None:
 
 def alone(scanner: Scanner) -> Condition | None:
     """A condition of one word, such as `failed`, or of a text in quotation marks: a name."""
+    if scanner.word("in folder", "folder"):
+        return TextTest("path", WITHIN, scanner.value("the name of a folder")[0])
+    if scanner.word("no warnings", "no warning", "without warnings", "without warning"):
+        return Present("warnings", False)
+    if scanner.word("with warnings", "has warnings", "warned"):
+        return Present("warnings", True)
     if scanner.word(*RATIO_NOT_KEPT):
         return Flag("is_ratio_kept", False)
     if scanner.word(*RATIO_KEPT):
@@ -81,6 +94,17 @@ def alone(scanner: Scanner) -> Condition | None:
         return None
     name, value = ALONE[word]
     return TextTest(name, IS, value)
+
+
+def again(scanner: Scanner, last: Condition | None) -> Condition | None:
+    """A further question about the column of the last condition, as in "gloss 60 > 40 and < 50"."""
+    if isinstance(last, Range) and scanner.peek(COMPARISON):
+        return _number(scanner, last.column, scanner.at)
+    if isinstance(last, TextTest) and last.how == IS and last.column in CHOICES:
+        word = scanner.word(*CHOICES[last.column])
+        if word is not None:
+            return TextTest(last.column, IS, CHOICES[last.column][word])
+    return None
 
 
 def on_column(scanner: Scanner) -> Condition | None:
@@ -157,6 +181,8 @@ def _number(scanner: Scanner, name: str, start: int) -> Condition:
     is_not = scanner.word(*UNEQUAL) or (is_first and scanner.word("not"))
     if is_not or scanner.word(*EQUAL) or scanner.has_number():
         value = _value(scanner, name)
+        if not is_not and scanner.take(TO):  # "gloss 60 40-50"
+            return _range(name, value, _value(scanner, name))
         if not is_not and (tolerance := _tolerance(scanner, name)) is not None:
             return Near(name, value, tolerance)
         made = Range(name, value, value)
@@ -205,10 +231,11 @@ def _text(scanner: Scanner, name: str, start: int) -> Condition:
         return Present(name, True)
     for words, how in (
         (("contains", "contain", "containing", "includes", "has", "with", "~"), CONTAINS),
+        ((":",) if name not in CHOICES else (), CONTAINS),
         (("starts with", "begins with", "starting with"), STARTS),
         (("ends with", "ending with"), ENDS),
     ):
-        if scanner.word(*words):
+        if words and scanner.word(*words):
             return TextTest(name, how, scanner.value(f"a text that {label_of(name)} {how}")[0])
     if name == "path" and scanner.word("in", "under", "is in"):
         return TextTest(name, WITHIN, scanner.value("the name of a folder")[0])
@@ -220,6 +247,8 @@ def _text(scanner: Scanner, name: str, start: int) -> Condition:
         made = _choice(scanner, name)
     elif has_word:
         made = TextTest(name, IS, scanner.value(f"the {label_of(name)}")[0])
+    elif name in BARE and not scanner.done and not scanner.at_end_of_text():
+        made = TextTest(name, CONTAINS, scanner.value(f"a text of {label_of(name)}")[0])
     else:
         raise _no_question(scanner, name, start, TEXT_WORDS)
     return Not(made) if negated else made
@@ -247,4 +276,8 @@ def _no_question(scanner: Scanner, name: str, start: int, words: str) -> QueryEr
             scanner.text, start, len(scanner.text), f"what of {label_of(name)}?",
             f"add one of: {words}",
         )  # fmt: skip
+    if scanner.word("descending", "desc", "ascending", "asc", "highest", "lowest", "high", "low"):
+        text = scanner.text[start : scanner.at]
+        order = f"write sort by {label_of(name)} descending, or {label_of(name)} above 40"
+        return QueryError(scanner.text, start, start + len(text), "this is an order", order)
     return scanner.fault(f"not a question about {label_of(name)}", f"write one of: {words}")

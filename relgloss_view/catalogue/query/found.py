@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from relgloss_view.catalogue.query.terms import Query
 
 if TYPE_CHECKING:
+    from relgloss_view.catalogue.query.references import Resolved
     from relgloss_view.catalogue.recipe import Recipe
     from relgloss_view.material.material import Material
 
@@ -96,6 +97,8 @@ class Found:
     references: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     is_exact: bool = True
+    #: The sample that the query's first ratio, colour or picture compares with.
+    reference: Resolved | None = None
 
     def as_json(self) -> dict[str, Any]:
         """The result as `--json` prints it."""

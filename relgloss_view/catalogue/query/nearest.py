@@ -3,7 +3,8 @@
 Two pictures are compared pixel by pixel with CIEDE2000 (Sharma et al. 2005), as the screen shows
 them: in the paper's geometry, at the c that keeps their gloss ratio, cut at c_max. Their difference
 is the larger of two 95th percentiles: over the object, and over the highlight, which may be narrow
-and is what gloss shows.
+and is what gloss shows. A picture's highlight is where L_s* is at least half its largest; of both
+pictures' highlights the one that differs more counts, or a broad one would hide a narrow one.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array, Bytes, Ints, Mask
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.catalogue.query.found import Measure, Searched
-from relgloss_view.catalogue.query.pictures import PAPER, Drawer
+from relgloss_view.catalogue.query.pictures import PAPER, Colours, Drawer
 from relgloss_view.catalogue.query.references import Resolved
 from relgloss_view.material import brdf
 from relgloss_view.material.cielab import srgb_to_lab
@@ -30,13 +31,15 @@ from relgloss_view.quality.backends import FrameRenderer
 
 EXACT_MOST = 50  #: pictures that are drawn anew
 EXACT_PX = 256
-HIGHLIGHT_LSTAR = 1.0  #: L_s* from which a pixel belongs to the highlight
+LEAST_LSTAR = 1.0  #: L_s* of a pixel of any highlight
+HIGHLIGHT_SHARE = 0.5  #: of the largest L_s*, from which a pixel belongs to the highlight
 PERCENTILE = 95.0
 #: Half-vector angles, degrees, of the nested regions in which thumbnails are compared: they stand
 #: for highlights of any width, which a thumbnail does not hold by themselves.
 REGIONS_DEG = (2.0, 6.0, 18.0, 180.0)
 ROWS = 5  #: of a thumbnail that are compared; a cylinder's picture hardly changes along its axis
 AT_ONCE = 250  #: thumbnails compared at once
+READ_AT_ONCE = 2000  #: thumbnails in memory
 MEASURES = (
     Measure("picture_difference", "picture dE2000", 2),
     Measure("picture_mean", "object mean", 2),
@@ -61,16 +64,28 @@ class PictureDifference:
         return max(self.p95, self.highlight_p95 or 0.0)
 
     @classmethod
-    def of(cls, first: Array, second: Array, highlight: Mask) -> PictureDifference:
-        """Between pixels of the object, L*, a*, b* (N, 3); highlight (N,): of either picture."""
-        differences = delta_e_2000(first, second)
-        inside = differences[highlight]
+    def of(cls, first: Colours, second: Colours) -> PictureDifference:
+        """Between two pictures of one size and geometry."""
+        differences = delta_e_2000(first.lab, second.lab)
+        on_object = differences[first.on_object & second.on_object]
+        means, tops = [], []
+        for one in (first, second):
+            inside = differences[highlight_of(one)]
+            if len(inside):
+                means.append(float(np.mean(inside)))
+                tops.append(float(np.percentile(inside, PERCENTILE)))
         return cls(
-            float(np.mean(differences)),
-            float(np.percentile(differences, PERCENTILE)),
-            float(np.mean(inside)) if len(inside) else None,
-            float(np.percentile(inside, PERCENTILE)) if len(inside) else None,
+            float(np.mean(on_object)),
+            float(np.percentile(on_object, PERCENTILE)),
+            max(means, default=None),
+            max(tops, default=None),
         )
+
+
+def highlight_of(picture: Colours) -> Mask:
+    """The pixels of a picture's highlight (H, W); none where it shows no gloss."""
+    largest = float(np.max(picture.l_s[picture.on_object], initial=0.0))
+    return picture.on_object & (picture.l_s >= max(HIGHLIGHT_SHARE * largest, LEAST_LSTAR))
 
 
 @dataclass(frozen=True)
@@ -108,10 +123,10 @@ class PictureIndex:
         place, _ = _compared_pixels(size)
         paths = [str(row["path"]) for row in catalogue.rows]
         rows, pixels = [], []
-        for start in range(0, len(paths), AT_ONCE):
+        for start in range(0, len(paths), READ_AT_ONCE):
             progress(start / len(paths), "reading thumbnails")
-            some = catalogue.thumbnails(paths[start : start + AT_ONCE])
-            for k, path in enumerate(paths[start : start + AT_ONCE], start):
+            some = catalogue.thumbnails(paths[start : start + READ_AT_ONCE])
+            for k, path in enumerate(paths[start : start + READ_AT_ONCE], start):
                 picture = _decoded(some.get(path), size)
                 if picture is not None:
                     rows.append(k)
@@ -165,9 +180,7 @@ def redrawn(
     for count, path in enumerate(paths):
         progress(count / len(paths), f"drawing {path}")
         second = drawer.colours(catalogue.material(path), (px, px))
-        on_object = first.on_object & second.on_object
-        highlight = np.maximum(first.l_s, second.l_s)[on_object] > HIGHLIGHT_LSTAR
-        made[path] = PictureDifference.of(first.lab[on_object], second.lab[on_object], highlight)
+        made[path] = PictureDifference.of(first, second)
     return made
 
 

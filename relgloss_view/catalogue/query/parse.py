@@ -37,6 +37,8 @@ DOWN = ("descending", "desc", "highest first", "largest first", "downwards")
 UP = ("ascending", "asc", "lowest first", "smallest first", "upwards")
 CLOSE = ("closeness", "distance", "difference", "nearness")
 OPEN, CLOSE_MARK = re.compile(r"\("), re.compile(r"\)")
+EVERYTHING = ("all", "everything", "show all", "*")  #: a query without a condition
+NUMBER_REMEDY = "write gloss 60 between 40 and 50, or 0.7 x as glossy as NAME"
 WHOLE = re.compile(r"[0-9]+(?![0-9.])")
 
 
@@ -63,11 +65,13 @@ class _Parser:
             )  # fmt: skip
         self.scanner = Scanner(text)
         self.depth = 0
+        self.last: Condition | None = None  #: what the last phrase has asked for
 
     def query(self) -> Query:
         """The whole text."""
         scanner = self.scanner
         condition, order, first = None, [], None
+        scanner.word(*EVERYTHING)
         if not scanner.done and not self._is_tail():
             condition = self.any_of()
         while not scanner.done:
@@ -139,6 +143,7 @@ class _Parser:
         else:
             inner = self.phrase()
         if count:
+            self.last = None  # "not quality good or poor" would mean something else than it says
             self._check_filters(inner, "not", start)
         return Not(inner) if negated else inner
 
@@ -147,10 +152,15 @@ class _Parser:
         scanner = self.scanner
         if scanner.done:
             raise scanner.fault("a condition is missing here", suggestion(""))
-        for read in (wish_phrases.wish, columns_phrases.alone, columns_phrases.on_column):
-            made: Condition | None = read(scanner)
-            if made is not None:
-                return made
+        made: Condition | None = wish_phrases.wish(scanner)
+        made = made or columns_phrases.again(scanner, self.last)
+        for read in (columns_phrases.alone, columns_phrases.on_column):
+            made = made or read(scanner)
+        if made is not None:
+            self.last = made
+            return made
+        if scanner.has_number():
+            raise scanner.fault("a condition begins with what it is about", NUMBER_REMEDY)
         at, end = scanner.piece()
         longer = scanner.text[at : min(len(scanner.text), end + 12)]
         piece = scanner.text[at : min(end, at + 30)]

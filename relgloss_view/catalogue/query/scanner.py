@@ -99,6 +99,11 @@ class Scanner:
         """Whether a number is here."""
         return self.peek(NUMBER) is not None
 
+    def at_end_of_text(self) -> bool:
+        """Whether a text without quotation marks would end here, before its first word."""
+        match = PIECE.match(self.text, self.skip())
+        return match is None or match.group().lower() in ENDS
+
     def value(self, expected: str, *, is_name: bool = False) -> tuple[str, tuple[int, int]]:
         """The text here and its place: in quotes, or up to `and`, `or`, a comma, a parenthesis.
 
@@ -155,7 +160,5 @@ class Scanner:
 
     def fault(self, fault: str, remedy: str, at: int | None = None) -> QueryError:
         """A fault of the next words, or of those from `at` to here."""
-        first, end = self.piece()
-        if at is not None:
-            first, end = at, self.at
+        first, end = self.piece() if at is None else (at, self.at)
         return QueryError(self.text, first, end, fault, remedy)

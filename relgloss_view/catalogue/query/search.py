@@ -143,6 +143,7 @@ class _Search:
             references={name: one.words for name, one in self._references.items()},
             notes=self._notes(is_exact),
             is_exact=is_exact,
+            reference=next(iter(self._references.values()), None),
         )
 
     def distance(self, wish: Wish) -> Array:

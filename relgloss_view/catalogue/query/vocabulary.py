@@ -11,7 +11,7 @@ from relgloss_view.catalogue.columns import BY_NAME, BYTES, COLUMNS, DONE, FAILE
 
 #: Other names of columns, as people type them.
 ALSO = {
-    "path": ("file", "path", "folder"),
+    "path": ("file", "path"),
     "kind": ("type",),
     "bytes": ("file size",),
     "name": ("sample", "sample name"),
@@ -26,6 +26,8 @@ ALSO = {
     "s_deg_1": ("lobe width", "first lobe width", "width", "first lobe", "lobe", "roughness s"),
     "s_deg_2": ("second lobe width", "second lobe"),
     "L_star": ("L", "lightness"),
+    "a_star": ("a",),
+    "b_star": ("b",),
     "doi": ("distinctness of image",),
     "gloss_ratio": ("ratio", "gloss ratio"),
     "sigma_n_deg": ("graininess", "grain", "sigma N"),
@@ -56,10 +58,13 @@ PHRASES = (
     "gloss 60", "colour within dE", "looks 0.7 x as glossy as", "as glossy as", "glossier than",
     "nearest to", "sort by", "first", "ratio kept", "quality good", "failed", "and", "or", "not",
 )  # fmt: skip
+#: What follows a letter that stands for a column.
+COMPARED = r"(?=\s{0,3}(?:[<>=!~\u2264\u2265]|(?:above|below|over|under|between|about|is)\b))"
 MOST_LISTED = 60  #: words of a message
 DEGREES = r"\s{0,3}(?:°|deg(?:rees?)?\b)?"
 #: Between the words of a name. Bounded, so that no text makes the pattern slow.
 GAP = r"[\s_-]{0,3}"
+PAUSE = r"[\s_,-]{0,3}"  #: of headings with a comma, such as "haze, error"
 
 
 def label_of(column: str) -> str:
@@ -103,7 +108,10 @@ def column_pattern() -> tuple[re.Pattern[str], tuple[str, ...]]:
                 rf"|{angle}{DEGREES}[\s-]{{0,3}}gloss){rest}"
             )
         else:
-            pieces.append(rf"{GAP}".join(words))
+            if phrase in ("a", "b"):  # a letter alone, and not the beginning of any word
+                words[0] += COMPARED
+            gap = PAUSE if "," in label_of(column) else GAP
+            pieces.append(gap.join(words))
         columns.append(column)
     body = "|".join(f"(?P<g{k}>{piece})" for k, piece in enumerate(pieces))
     return re.compile(rf"(?:{body})(?![\w*])", re.IGNORECASE), tuple(columns)

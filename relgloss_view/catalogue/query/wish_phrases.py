@@ -8,7 +8,7 @@ import re
 from relgloss_view.catalogue.columns import READINGS
 from relgloss_view.catalogue.query.columns_phrases import ABOVE, AT_LEAST, AT_MOST, BELOW
 from relgloss_view.catalogue.query.fault import QueryError
-from relgloss_view.catalogue.query.scanner import Scanner
+from relgloss_view.catalogue.query.scanner import NUMBER, Scanner
 from relgloss_view.catalogue.query.terms import (
     ColourNear,
     Condition,
@@ -28,19 +28,23 @@ NEAREST_COLOUR = (
 )  # fmt: skip
 NEAREST = (
     "nearest to", "nearest", "closest to", "most like", "looks most like", "looks like",
+    "like",
     "similar to", "most similar to", "picture near", "picture nearest to",
 )  # fmt: skip
 AS_GLOSSY = ("as glossy as", "as shiny as")
+SAME = ("same gloss as", "the same gloss as")
 MORE = ("glossier than", "more glossy than", "shinier than")
 LESS = ("less glossy than", "duller than", "matter than", "more matte than")
 TIMES = re.compile(r"(?:x|\u00d7|times|fold)(?!\w)|%", re.I)
 TIMES_AS = re.compile(
     r"[+\-]?[0-9.]+(?:,[0-9]+)?\s{0,9}(?:x|\u00d7|times|fold|%)\s{0,9}(?:as|the)\s", re.I
 )
-LABEL = re.compile(r"(?:CIE\s?)?L\*?\s?a\*?\s?b\*?(?!\w)\s*[:=]?|\(|colou?r(?!\w)", re.I)
+LABEL = re.compile(r"(?:CIE\s?)?L\*?\s?a\*?\s?b\*?(?!\w)\s*[:=(]?|\(|colou?r(?!\w)", re.I)
 AXES = tuple(
     re.compile(rf"{axis}\s?(?:\*|_star)?\s?[:=]?(?=\s*[-+.0-9\u2212])", re.I) for axis in "Lab"
 )
+#: A number that another one or nothing follows: a colour, and not a name such as "7 coats".
+NUMBERS = re.compile(rf"(?>{NUMBER.pattern})(?=\s*$|(?:\s*[,;]\s*|\s+)[-+.\u2212]?[0-9]|,[0-9])")
 BETWEEN = re.compile(r"[,;]\s")
 PERCENT, DEGREES = re.compile(r"%|percent\b", re.I), re.compile(r"\u00b0|deg(?:rees?)?\b", re.I)
 ANGLE = re.compile(r"(?P<angle>[0-9.]+)\s*(?:\u00b0|deg(?:rees?)?\b)?", re.I)
@@ -132,9 +136,9 @@ def _target(
 ) -> tuple[float, float, float] | ReferenceName:
     at = scanner.at
     scanner.word("that of", "the colour of", "the color of")
-    if scanner.has_number():
+    if scanner.peek(NUMBERS):
         return _lab(scanner)
-    if scanner.take(LABEL) and (scanner.has_number() or scanner.peek(AXES[0])):
+    if scanner.take(LABEL) and (scanner.peek(NUMBERS) or scanner.peek(AXES[0])):
         return _lab(scanner)
     scanner.at = at
     if scanner.peek(AXES[0]):
@@ -169,7 +173,7 @@ def _lab(scanner: Scanner) -> tuple[float, float, float]:
         if axis:
             scanner.take(BETWEEN)
         scanner.take(AXES[axis])
-        values.append(scanner.number(f"{'L*', 'a*', 'b*'}"[0:0] + ("L*", "a*", "b*")[axis]))
+        values.append(scanner.number(("L*", "a*", "b*")[axis]))
     if opened:
         scanner.take(re.compile(r"\)"))
     if not 0.0 <= values[0] <= 100.0 or max(abs(values[1]), abs(values[2])) > 200.0:
@@ -188,6 +192,8 @@ def _ratio(scanner: Scanner) -> Condition | None:
         if word in MORE:
             return GlossRatio(reference, low=1.0, with_low=False, column=column)
         return GlossRatio(reference, high=1.0, with_high=False, column=column)
+    if scanner.word(*SAME):
+        return _near_ratio(scanner, 1.0)
     side = None
     for name, words in (("low", AT_LEAST), ("high", AT_MOST), ("above", ABOVE), ("below", BELOW)):
         if scanner.word(*words):
@@ -203,20 +209,24 @@ def _ratio(scanner: Scanner) -> Condition | None:
         scanner.at = start
         return None
     value = factor[0]
-    if value <= 0.0:
-        raise scanner.fault("a ratio of gloss is above 0", "write 0.7 x as glossy as NAME", start)
+    if side is None:
+        return _near_ratio(scanner, value)
     reference, column = _with_angle(scanner)
-    if side is not None:
-        low = value if side in ("low", "above") else 0.0
-        high = value if side in ("high", "below") else math.inf
-        return GlossRatio(
-            reference, low=low, high=high, with_low=side != "above", with_high=side != "below",
-            column=column,
-        )  # fmt: skip
+    return GlossRatio(
+        reference,
+        low=value if side in ("low", "above") else 0.0,
+        high=value if side in ("high", "below") else math.inf,
+        with_low=side != "above",
+        with_high=side != "below",
+        column=column,
+    )
+
+
+def _near_ratio(scanner: Scanner, wanted: float) -> GlossRatio:
+    """The sample, the angle and the tolerance after "as glossy as"."""
+    reference, column = _with_angle(scanner)
     tolerance = _share(scanner)
-    if column is None:
-        column = _angle(scanner)
-    return GlossRatio(reference, value, tolerance, column=column)
+    return GlossRatio(reference, wanted, tolerance, column=column or _angle(scanner))
 
 
 def _factor(scanner: Scanner) -> tuple[float, bool] | None:
@@ -227,8 +237,11 @@ def _factor(scanner: Scanner) -> tuple[float, bool] | None:
         return 0.5, True
     if scanner.peek(TIMES_AS) is None:
         return 1.0, False
+    start = scanner.skip()
     value = scanner.number("a ratio of gloss")
     match = scanner.take(TIMES)
+    if value <= 0.0:
+        raise scanner.fault("a ratio of gloss is above 0", "write 0.7 x as glossy as NAME", start)
     return value * (0.01 if match is not None and match.group() == "%" else 1.0), True
 
 
