@@ -17,7 +17,6 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.reading import named, printable
 from relgloss_view.base.terminal import ProgressReport, no_progress
-from relgloss_view.base.version import __version__
 from relgloss_view.catalogue.columns import FAILED
 from relgloss_view.catalogue.engine import EngineOptions, Lost, Task, run
 from relgloss_view.catalogue.folder import claimed, write_mark

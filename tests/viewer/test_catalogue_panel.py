@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import sys
+from pathlib import Path
 
 import driven
-import made_catalogue
 import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
+import made_catalogue
 
 COUNT = 300
 SIZE = (700, 560)
@@ -28,10 +32,18 @@ def opened(folder, run):
     yield app
 
 
+def opened_of(folder, count):
+    from relgloss_view.catalogue.query.search import Searcher
+    from relgloss_view.viewer.state.catalogues import OpenCatalogue
+
+    made = made_catalogue.MadeCatalogue(folder, count)
+    return OpenCatalogue(str(folder), made, Searcher(made))
+
+
 def show(hand, folder, count=COUNT):
     """Open a made catalogue in the panel and wait for its first result."""
     actions = hand.app.files.catalogue
-    opened = made_catalogue.opened_of(hand.folder / folder, count)
+    opened = opened_of(hand.folder / folder, count)
     hand.do(lambda: actions.take(opened))
     hand.until(lambda: actions.found is not None)
     hand.frames(6)
@@ -90,7 +102,7 @@ def searches(hand, found):
 def becomes_a_sample(hand, found):
     actions, opened = show(hand, "becomes_a_sample")
     before = names(hand)
-    found["file"] = opened.material_file(opened.catalogue.rows[0])
+    found["file"] = str(opened.material_file(opened.catalogue.rows[0]["path"]))
     hand.double_click(tile(hand, 0))
     found["double click"] = settled(hand, before)
     hand.do(hand.model.history.undo)
@@ -148,7 +160,7 @@ def moves_by_keys(hand, found):
         hand.key(key.down_arrow)
     found["down"] = [hit.path for hit in actions.found.hits].index(actions.selected)
     hand.ctx.mouse_move(hand.ctx.item_info("//Catalogue/##Search").id_)
-    found["file"] = [opened.material_file(opened.catalogue.rows[k]) for k in (1,)]
+    found["file"] = [str(opened.material_file(opened.catalogue.rows[1]["path"]))]
 
 
 def has_a_menu(hand, found):
@@ -182,8 +194,6 @@ def draws_what_shows(hand, found):
 
 
 def is_built_again(hand, found):
-    from pathlib import Path
-
     from relgloss_view.viewer.files import catalogue_files
 
     actions, opened = show(hand, "again", 20)

@@ -13,13 +13,15 @@ from pathlib import Path
 import numpy as np
 
 from relgloss_view.base.arrays import Bytes
+from relgloss_view.base.errors import InputError
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.catalogue.query.found import Searched
 from relgloss_view.catalogue.query.search import Searcher
+from relgloss_view.catalogue.tree import is_catalogue
 from relgloss_view.viewer.state.catalogues import OpenCatalogue, Stamp
 
 CATALOGUE = "catalogue"
-TABLE = "catalogue.parquet"
+TABLE = "catalogue.parquet"  #: catalogue/table.py NAME, whose imports are heavy
 TABLE_SUFFIXES = (".parquet",)
 LARGEST_PX = 512  #: of a thumbnail's side; a larger one is made smaller
 
@@ -33,10 +35,10 @@ def catalogue_folder(path: str | os.PathLike[str]) -> str | None:
     if path.name == TABLE:
         return str(path.absolute().parent)
     try:
-        named = path.is_dir() and (path / TABLE).exists()
-    except OSError:
-        named = False
-    return str(path.absolute()) if named else None
+        marked = is_catalogue(path)
+    except (OSError, InputError):
+        marked = False
+    return str(path.absolute()) if marked else None
 
 
 def opened_catalogue(path: str, progress: ProgressReport = no_progress) -> OpenCatalogue:

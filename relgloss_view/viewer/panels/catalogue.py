@@ -54,7 +54,7 @@ def show(files: FileActions) -> None:
         return
     _controls(actions)
     _line(actions, opened)
-    catalogue_grid.show(actions, opened)
+    catalogue_grid.show(actions)
 
 
 def _controls(actions: CatalogueActions) -> None:

@@ -13,12 +13,12 @@ from relgloss_view.viewer.panels.list_rows import fitting
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import POPUP, em, gray
 from relgloss_view.viewer.state.catalogues import (
-    OpenCatalogue,
     is_done,
     marks_of,
     numbers_of,
     title_of,
     tooltip_of,
+    view_command,
 )
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ BEYOND = 1  #: rows above and below what shows, for the keyboard and for what co
 WORDS_EM = 6.0  #: a tile as wide has room for words on its picture; a narrower one has "!"
 
 
-def show(actions: CatalogueActions, opened: OpenCatalogue) -> None:
+def show(actions: CatalogueActions) -> None:
     """Draw the tiles of what was found into the rest of the present window."""
     found = actions.found
     if found is None:
@@ -42,15 +42,15 @@ def show(actions: CatalogueActions, opened: OpenCatalogue) -> None:
         imgui.set_next_window_scroll(ImVec2(0.0, 0.0))
         actions.to_top = False
     imgui.begin_child("##tiles", ImVec2(0.0, 0.0))
-    _Grid(actions, opened, found).show()
+    _Grid(actions, found).show()
     imgui.end_child()
 
 
 class _Grid:
     """The tiles in one frame."""
 
-    def __init__(self, actions: CatalogueActions, opened: OpenCatalogue, found: Found) -> None:
-        self.actions, self.opened, self.found = actions, opened, found
+    def __init__(self, actions: CatalogueActions, found: Found) -> None:
+        self.actions, self.found = actions, found
         self.gap, self.pad = em(GAP_EM), em(PAD_EM)
         self.room = max(imgui.get_content_region_avail().x, 1.0)
         # As many tiles of the wanted width as fit, widened a little so that they fill the line.
@@ -140,15 +140,9 @@ class _Grid:
             actions.ask_nearest(hit)
         imgui.separator()
         if _item("Copy command", "", able):
-            imgui.set_clipboard_text(actions.command(hit))
-            actions.model.report(f"copied: {actions.command(hit)}")
+            actions.copy(hit, view_command)
         if _item("Copy material's file", "", able):
-            file = self.opened.material_file(hit.row)
-            imgui.set_clipboard_text(file)
-            actions.model.report(f"copied: {file}")
-        if _item("Copy measured file", "", True):
-            imgui.set_clipboard_text(hit.path)
-            actions.model.report(f"copied: {hit.path}")
+            actions.copy(hit, str)
 
     # --- painting -----------------------------------------------------------------------------
 

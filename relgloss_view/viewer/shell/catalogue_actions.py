@@ -8,9 +8,13 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
+from imgui_bundle import imgui
+
 from relgloss_view.base.arrays import Bytes
+from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.reading import printable
 from relgloss_view.catalogue.query.fault import QueryError
 from relgloss_view.catalogue.query.found import Found, Hit
@@ -26,7 +30,6 @@ from relgloss_view.viewer.state.catalogues import (
     nearest_query,
     searched,
     title_of,
-    view_command,
 )
 from relgloss_view.viewer.state.model import Model
 
@@ -133,20 +136,35 @@ class CatalogueActions:
             fault = printable(str(hit.row.get("fault") or "it has no material"), 200)
             self.model.report(f"{title_of(hit.row)}: {fault}", fault=True)
             return
-        file = self.opened.material_file(hit.row)
-        if not os.path.isfile(file):
-            place = printable(file, 200)
-            self.model.report(
-                f"{place}: the material file is gone; build the catalogue again", fault=True
-            )
+        file = self.material_file(hit)
+        if file is None:
             return
         finish = self.model.active_finish(side)
         self.selected = hit.path
-        self._open_path(file, side, "" if finish is None else finish.name)
+        self._open_path(str(file), side, "" if finish is None else finish.name)
 
-    def command(self, hit: Hit) -> str:
-        """The command that opens an item."""
-        return "" if self.opened is None else view_command(self.opened, hit.row)
+    def material_file(self, hit: Hit) -> Path | None:
+        """The material file of an item; None, with a line that says why, where it is not there."""
+        if self.opened is None:
+            return None
+        try:
+            file = self.opened.material_file(hit.path)
+        except RelglossError as error:
+            self.model.report(str(error), fault=True)
+            return None
+        if not file.is_file():
+            place = printable(str(file), 200)
+            fault = f"{place}: the material file is gone; build the catalogue again"
+            self.model.report(fault, fault=True)
+            return None
+        return file
+
+    def copy(self, hit: Hit, words: Callable[[Path], str]) -> None:
+        """Put something about an item's material file on the clipboard, and report it."""
+        file = self.material_file(hit)
+        if file is not None:
+            imgui.set_clipboard_text(words(file))
+            self.model.report(f"copied: {words(file)}")
 
     def drop(self, side: str) -> None:
         """Let go of the dragged item over the picture of a side."""

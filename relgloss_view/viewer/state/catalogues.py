@@ -6,10 +6,11 @@ No OpenGL, no window library, no reading of files: the catalogue has been read i
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import ProgressReport, no_progress
@@ -76,12 +77,20 @@ _MEANINGS = {
 }
 
 
+class ShownCatalogue(Searched, Protocol):
+    """What the window needs of a catalogue; catalogue/catalogue.py has it."""
+
+    def material_file(self, path: str) -> Path:
+        """The material file of an item; InputError where it has none."""
+        ...
+
+
 @dataclass(frozen=True)
 class OpenCatalogue:
     """A catalogue that was read: its folder, its rows, what searches it, and the file's stamp."""
 
     folder: str
-    catalogue: Searched
+    catalogue: ShownCatalogue
     searcher: Searcher
     stamp: Stamp | None = None
 
@@ -90,10 +99,9 @@ class OpenCatalogue:
         """The folder's name, fit to print."""
         return printable(Path(self.folder).name or self.folder, 60)
 
-    def material_file(self, row: Row) -> str:
-        """The material file of an item; empty where it has none."""
-        file = row.get("material")
-        return str(Path(self.folder) / file) if file else ""
+    def material_file(self, path: str) -> Path:
+        """The material file of an item. Raises InputError where it has none."""
+        return self.catalogue.material_file(path)
 
 
 @dataclass(frozen=True)
@@ -273,8 +281,10 @@ def nearest_query(row: Row) -> str:
     return f"nearest to {quote}{path}{quote}"
 
 
-def view_command(opened: OpenCatalogue, row: Row) -> str:
-    """The command that opens an item in a window."""
-    import shlex
+def view_command(file: Path) -> str:
+    """The command that opens a material file in a window.
 
-    return shlex.join(["relgloss", "view", opened.material_file(row)])
+    >>> view_command(Path("a mill/silk.json"))
+    "relgloss view 'a mill/silk.json'"
+    """
+    return shlex.join(["relgloss", "view", str(file)])
