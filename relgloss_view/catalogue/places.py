@@ -28,7 +28,7 @@ def material_places(paths: Iterable[str]) -> dict[str, str]:
     >>> material_places(["lot 1/paper.csv", "Lot 1/Paper.csv", "nul"])["nul"]
     'materials/%6Eul.json'
     >>> sorted(material_places(["a.csv", "A.csv"]).values())
-    ['materials/A.csv~d5b42b5b.json', 'materials/a.csv~f2fba6b6.json']
+    ['materials/A.csv~b1f4ee99.json', 'materials/a.csv~32f29f33.json']
     """
     places = {path: _place(path.removesuffix(SUFFIX) or path) for path in paths}
     same: dict[str, list[str]] = defaultdict(list)

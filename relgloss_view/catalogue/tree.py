@@ -71,7 +71,9 @@ def scan(root: str | os.PathLike[str], seen: Callable[[int], object] = bool) -> 
     top = os.path.realpath(root)
     if not os.path.isdir(top):
         raise InputError(f"{named(os.fspath(root))}: is no folder; give a folder of tables")
-    entries, passed_over, faults = [], 0, []
+    entries: list[Entry] = []
+    faults: list[str] = []
+    passed_over = 0
     for number, found in enumerate(_files(top, faults)):
         checkpoint()
         if number >= MOST_FILES:

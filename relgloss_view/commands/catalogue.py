@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-PARTS = ("build",)
+PARTS = ("build", "search")
 
 
 def add(commands: Any) -> None:

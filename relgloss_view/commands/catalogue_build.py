@@ -91,7 +91,7 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--keep-going",
         action="store_true",
-        help="Go on after a fault of a file. All faults are listed at the end and kept in the table",
+        help="Go on after a fault of a file; all faults are listed at the end and are in the table",
     )
     parser.add_argument(
         "--retry",
