@@ -184,7 +184,8 @@ class _Grid:
         marks = marks_of(hit.row)
         if not marks:
             return
-        words = ", ".join(marks) if self.picture >= em(WORDS_EM) else "!"
+        more = f" +{len(marks) - 1}" if len(marks) > 1 else ""  # the tooltip has all of them
+        words = f"{marks[0]}{more}" if self.picture >= em(WORDS_EM) else "!"
         text = fitting(words, self.picture - 2.0 * self.pad)
         size = imgui.calc_text_size(text)
         low = ImVec2(left, bottom - size.y - 0.3 * self.pad)
