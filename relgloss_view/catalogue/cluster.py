@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-import os
 import time
 import uuid
 from collections import deque
@@ -18,11 +17,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.interruptions import checkpoint
+from relgloss_view.base.interruptions import STEP_S, checkpoint
+from relgloss_view.catalogue.cluster_check import check_scheduler, checked
 from relgloss_view.catalogue.cluster_evidence import Evidence
 from relgloss_view.catalogue.cluster_processes import Processes, local_cluster, silent
 from relgloss_view.catalogue.cluster_worker import Program, Refused, perform, this_program
-from relgloss_view.catalogue.engine import Done, EngineOptions, Lost, Task
+from relgloss_view.catalogue.engine import MOST_WORKERS, Done, EngineOptions, Lost, Task
 
 IN_FLIGHT = 2  #: tasks of a worker: one at work, one that waits there
 POLL_S = 0.002
@@ -35,18 +35,19 @@ def on_processes(tasks: Iterable[Task], done: Done, options: EngineOptions) -> N
     """Work off the tasks in processes: as engine.Engine.
 
     Raises InputError where no scheduler or worker answers for `patience_s`, and where a worker has
-    another program or can't read a task's file.
+    another program or can't read a task's file, GLUnavailableError where one can't draw.
     """
     evidence = Evidence()
     with contextlib.ExitStack() as stack:
         stack.enter_context(silent())
         import distributed
+        from dask.system import CPU_COUNT
 
         stack.enter_context(silent())  # its loggers exist only now
         address: Any = options.scheduler
         processes = None
         if address is None:
-            number = options.workers or len(os.sched_getaffinity(0))
+            number = options.workers or min(CPU_COUNT, MOST_WORKERS)
             address, processes = stack.enter_context(
                 local_cluster(number, evidence, dashboard=options.dashboard)
             )
@@ -62,6 +63,8 @@ def on_processes(tasks: Iterable[Task], done: Done, options: EngineOptions) -> N
                 f"({_first_line(error)}); start one with: dask scheduler"
             ) from None
         stack.callback(client.close, timeout=ANSWER_S if processes is None else 1.0)
+        if processes is None:
+            check_scheduler(client, address)
         if options.dashboard:
             options.report(f"Dask's dashboard: {client.dashboard_link}")
         _Run(client, processes, evidence, options).work_off(tasks, done)
@@ -91,6 +94,7 @@ class _Run:
         self._completed = as_completed(loop=client.loop, with_results=True, raise_errors=False)
         self._keys = (f"relgloss-{uuid.uuid4().hex[:12]}-{n}" for n in itertools.count())
         self._known: set[str] = set()  #: names of the workers that the scheduler knows
+        self._checked: set[str] = set()  #: addresses of workers that have this program
         self._counted_s = 0.0
         self._seen_s = time.monotonic()  #: when a worker was there last
 
@@ -138,7 +142,7 @@ class _Run:
             again.append(task)
         elif future.status == "finished":
             if isinstance(result, Refused):
-                raise InputError(result.fault)
+                raise result.error()
             self._evidence.forget(task.key)
             done(task, result)
         else:
@@ -171,6 +175,8 @@ class _Run:
         if now_s > self._counted_s + COUNTED_S or not self._known:
             self._counted_s = now_s
             self._known = self._names()
+            if not self._known:
+                time.sleep(STEP_S)
         if self._processes is not None:
             self._processes.look(self._known)
         if self._known:
@@ -185,9 +191,14 @@ class _Run:
         if self._client.status != "running":
             return set()
         try:
-            return set(self._client.sync(self._client.scheduler.ncores, callback_timeout=ANSWER_S))
+            present = set(
+                self._client.sync(self._client.scheduler.ncores, callback_timeout=ANSWER_S)
+            )
         except (OSError, TimeoutError, RuntimeError):
             return set()
+        self._checked &= present
+        self._checked |= checked(self._client, present - self._checked, self._program)
+        return set(self._checked)
 
     def _loss(self) -> str:
         waited = f"for {self._options.patience_s:g} s; what is done is kept"

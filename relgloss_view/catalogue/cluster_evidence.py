@@ -2,8 +2,10 @@
 
 A process that ends without an answer does not show why: a task may have taken all memory, or
 someone has ended the process. A task is at fault if chance does not explain its deaths. Chance is
-the rate at which processes died of anything else: P = product over its tries of 1 - exp(-rate t),
-t the time from a try's begin to the death (deaths as a Poisson process).
+the rate at which processes died of anything else (deaths as a Poisson process): a process without
+fault lives t seconds or less with F(t) = 1 - exp(-rate t). The F of n tries are uniform if chance
+alone ends them, and the product of n uniform numbers is y or less with a probability of
+y * sum of (-ln y)^k / k!, k from 0 to n - 1 (Fisher 1932, combination of independent tests).
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from dataclasses import dataclass, field
 
 LEAST_TRIES, MOST_TRIES = 3, 30
 LEAST_CHANCE = 1e-6  #: below it, chance is no explanation
+SHORTEST_S = 1e-3
 
 
 @dataclass
@@ -22,10 +25,18 @@ class Record:
     """Deaths under one task, while it was alone in its process."""
 
     tries: int = 0
-    log_chance: float = 0.0  #: natural logarithm of P
+    log_product: float = 0.0  #: natural logarithm of the product of F over the tries
     own: int = 0  #: processes that died
     since_s: float = 0.0
     deaths_before: int = 0
+
+
+def _chance(record: Record) -> float:
+    """Probability of deaths as early as these, by chance alone."""
+    x = -record.log_product
+    if math.isinf(x):
+        return 0.0
+    return sum(math.exp(k * math.log(x) - x - math.lgamma(k + 1)) for k in range(record.tries))
 
 
 @dataclass
@@ -55,10 +66,10 @@ class Evidence:
         record.tries += 1
         record.own += deaths
         rate = self._rate(record, max(workers, 1))
-        chance = -math.expm1(-rate * max(took_s, 1e-3))
-        record.log_chance += math.log(chance) if chance > 0.0 else -math.inf
+        lived = -math.expm1(-rate * max(took_s, SHORTEST_S))
+        record.log_product += math.log(lived) if lived > 0.0 else -math.inf
         enough = record.own >= LEAST_TRIES
-        if enough and (record.log_chance < math.log(LEAST_CHANCE) or record.own >= MOST_TRIES):
+        if enough and (_chance(record) < LEAST_CHANCE or record.own >= MOST_TRIES):
             self.explained += record.own
             return True
         return False
@@ -79,4 +90,4 @@ class Evidence:
             (self.deaths - self.explained, now_s - begun_s),
             (self.deaths - record.deaths_before, now_s - record.since_s),
         )
-        return max(max(n - record.own, 0) / (workers * max(s, 1e-3)) for n, s in spans)
+        return max(max(n - record.own, 0) / (workers * max(s, SHORTEST_S)) for n, s in spans)

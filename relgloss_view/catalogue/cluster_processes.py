@@ -9,6 +9,7 @@ alone, and they end with it however it ends.
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import itertools
 import json
 import logging
@@ -105,8 +106,12 @@ class Processes:
 
 
 @contextlib.contextmanager
-def local_cluster(number: int, evidence: Evidence, *, dashboard: bool) -> Iterator[tuple[Any, Any]]:
+def local_cluster(
+    number: int, evidence: Evidence, *, dashboard: bool
+) -> Iterator[tuple[Any, Processes]]:
     """A scheduler in this process and workers beside it. Yields (Dask's cluster, Processes)."""
+    if dashboard and importlib.util.find_spec("bokeh") is None:
+        raise InputError("Dask's dashboard needs bokeh; install it with: pip install bokeh")
     import dask
     import distributed
     from distributed.system import MEMORY_LIMIT
@@ -173,9 +178,9 @@ def _keys(security: Any) -> dict[str, Any]:
 
 
 def _resident_bytes(pid: int) -> float:
-    import psutil
-
+    """Memory of a process, where the system shows it in /proc; 0 elsewhere."""
     try:
-        return float(psutil.Process(pid).memory_info().rss)
-    except psutil.Error:
+        pages = int(Path("/proc", str(pid), "statm").read_text(encoding="ascii").split()[1])
+    except (OSError, ValueError, IndexError):
         return 0.0
+    return float(pages * os.sysconf("SC_PAGE_SIZE"))

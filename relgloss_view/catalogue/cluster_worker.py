@@ -19,10 +19,11 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from relgloss_view.base.errors import InputError
+from relgloss_view.base.errors import GLUnavailableError, InputError, RelglossError
 from relgloss_view.base.resources import data_root
 from relgloss_view.base.version import __version__
 from relgloss_view.catalogue.engine import Task
+from relgloss_view.catalogue.one_thread import one_thread
 
 LOGIN = "login.json"  #: the scheduler's address and the keys, readable by this user alone
 LOOPBACK = "127.0.0.1"
@@ -71,6 +72,11 @@ class Refused:
     """In place of a result: this worker can't do the task; the fault names it, in one line."""
 
     fault: str
+    can_draw: bool = True
+
+    def error(self) -> RelglossError:
+        """What ends the run."""
+        return InputError(self.fault) if self.can_draw else GLUnavailableError(self.fault)
 
 
 @lru_cache(maxsize=1)
@@ -100,9 +106,15 @@ def perform(task: Task, expected: Program) -> Any:
     for name, value in ONE_THREAD.items():  # a cluster's worker that was started without
         os.environ.setdefault(name, value)
     try:
-        return _thread.submit(task.result).result()
-    except (InputError, OSError) as error:
-        return Refused(f"{worker_name()}: {task.name}: {error}")
+        return _thread.submit(_result, task).result()
+    except (RelglossError, OSError) as error:
+        can_draw = not isinstance(error, GLUnavailableError)
+        return Refused(f"{worker_name()}: {task.name}: {error}", can_draw)
+
+
+def _result(task: Task) -> Any:
+    with one_thread():
+        return task.result()
 
 
 def worker_name() -> str:

@@ -11,6 +11,7 @@ from typing import Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.interruptions import checkpoint
+from relgloss_view.catalogue.one_thread import one_thread
 
 MOST_WORKERS = 256  #: of one machine
 
@@ -90,6 +91,7 @@ def run(tasks: Iterable[Task], done: Done, options: EngineOptions) -> None:
 
 def in_this_process(tasks: Iterable[Task], done: Done, options: EngineOptions) -> None:
     """The plain loop: one task after the other, here."""
-    for task in tasks:
-        checkpoint()
-        done(task, task.result())
+    with one_thread():
+        for task in tasks:
+            checkpoint()
+            done(task, task.result())

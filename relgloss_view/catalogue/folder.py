@@ -49,7 +49,7 @@ def claimed(output: str | os.PathLike[str], top: str) -> Iterator[Path]:
         if made:
             stack.callback(_remove_if_empty, place)
         stack.enter_context(_locked(place, shown))
-        sweep(place)
+        sweep(place, again=True)
         yield place
 
 

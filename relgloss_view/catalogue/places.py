@@ -11,10 +11,10 @@ from collections.abc import Iterable
 FOLDER = "materials"
 SUFFIX = ".json"
 LONGEST_NAME, LONGEST_PATH = 120, 600  #: bytes
-#: What every system takes in a name; % begins a byte that one does not take.
-_FORBIDDEN = re.compile(
-    r'[\x00-\x1f\x7f-\x9f<>:"/\\|?*%~]|[^\S ]|[\ud800-\udfff\u200b-\u206f\ufeff]'
-)
+#: What some system does not take in a name; % begins an escaped byte, and ~ a digest.
+_FORBIDDEN = frozenset('<>:"/\\|?*%~')
+#: Kinds of characters that nobody sees: controls, bidirectional marks, halves of pairs, separators.
+_UNSEEN = frozenset(("Cc", "Cf", "Cs", "Co", "Zl", "Zp"))
 #: Names that Windows keeps for devices, whatever suffix they have.
 _DEVICES = re.compile(r"(?:con|prn|aux|nul|conin\$|conout\$|com[0-9¹²³]|lpt[0-9¹²³])(?=\.|$)", re.I)
 
@@ -54,7 +54,7 @@ def _place(path: str) -> str:
 def _name(name: str, *, ends: bool = False) -> str:
     """One name of a path."""
     whole = name
-    name = _FORBIDDEN.sub(lambda found: _escaped(found[0]), name)
+    name = "".join(_escaped(c) if _is_forbidden(c) else c for c in name)
     if _DEVICES.match(name) or name.startswith("."):
         name = _escaped(name[0]) + name[1:]
     if name.endswith((" ", ".")) or (ends and name.lower().endswith(SUFFIX)):
@@ -64,6 +64,11 @@ def _name(name: str, *, ends: bool = False) -> str:
     if len(data) > LONGEST_NAME:
         name = f"{data[:80].decode('utf-8', 'ignore')}~{_digest(whole)[:32]}"
     return name or "~"
+
+
+def _is_forbidden(character: str) -> bool:
+    kind = unicodedata.category(character)
+    return character in _FORBIDDEN or kind in _UNSEEN or (kind == "Zs" and character != " ")
 
 
 def _escaped(character: str) -> str:

@@ -13,13 +13,14 @@ import contextlib
 import hashlib
 import json
 import os
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from relgloss_view.base.commit import errors_of
+from relgloss_view.base.errors import InputError
 from relgloss_view.base.interruptions import checkpoint
+from relgloss_view.base.reading import named
 from relgloss_view.catalogue.columns import DONE, TABLE
 from relgloss_view.catalogue.item import OF_FILE, OF_MACHINE, Fitted, Item
 from relgloss_view.catalogue.recipe import REVISION, Recipe
@@ -127,7 +128,7 @@ def put_whole(path: Path, data: bytes, named_as: Path) -> None:
     former content then.
     """
     part = path.with_name(f".{path.name[:40]}{PART}")
-    with errors_of(named_as):
+    with faults_of(named_as):
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             with open(part, "wb") as file:
@@ -137,6 +138,19 @@ def put_whole(path: Path, data: bytes, named_as: Path) -> None:
             with contextlib.suppress(OSError):
                 os.unlink(part)
             raise
+
+
+@contextlib.contextmanager
+def faults_of(catalogue: Path) -> Iterator[None]:
+    """What prevents writing within the block, as one line that names the catalogue."""
+    try:
+        yield
+    except OSError as error:
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        raise InputError(
+            f"{named(catalogue)}: can't be written ({reason}); make room there, then build again: "
+            "what is done is kept"
+        ) from error
 
 
 def _json(content: dict[str, Any]) -> bytes:

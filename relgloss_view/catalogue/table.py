@@ -15,11 +15,11 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from relgloss_view.base.commit import errors_of
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import check_regular, named, printable
 from relgloss_view.base.writing import whole_file
 from relgloss_view.catalogue.columns import BYTES, COLUMNS, FLAG, NAMES, NUMBER, TEXT, WHOLE, Column
+from relgloss_view.catalogue.store import faults_of
 
 NAME = "catalogue.parquet"
 KEY = b"relgloss.catalogue"  #: of the JSON object in the file's metadata
@@ -50,7 +50,7 @@ def write_table(
     metadata: goes into the file as JSON, read when the rows are written, so that they may add to
     it. named_as: what a message names. The file appears whole or not at all; raises InputError.
     """
-    with errors_of(named_as), whole_file(path) as temporary:
+    with whole_file(path) as temporary, faults_of(named_as):
         writer = pq.ParquetWriter(temporary, SCHEMA, compression="zstd", version="2.6")
         try:
             for part in _parts(rows):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 from typing import TYPE_CHECKING, Any
 
@@ -19,8 +18,6 @@ if TYPE_CHECKING:
     from relgloss_view.catalogue.recipe import Recipe
 
 MOST_FAULTS = 20  #: lines on the terminal; the table has all
-#: Sums of several threads are rounded in another order; a result is the same everywhere.
-ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def add(commands: Any) -> None:
@@ -104,9 +101,6 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Build, print the report; 1 where a file has failed."""
-    if "numpy" not in sys.modules:
-        for name in ONE_THREAD:
-            os.environ.setdefault(name, "1")
     from relgloss_view.catalogue.build import GO_ON, BuildOptions, build, words_of
     from relgloss_view.catalogue.engine import EngineOptions
     from relgloss_view.material.material import INDEX_RANGE

@@ -65,6 +65,34 @@ def _albedo(material: Material, theta: float) -> tuple[Array, Array]:
     return diffuse, specular
 
 
+def level_diffuse_albedo(model: str, sigma: float) -> tuple[float, float]:
+    """Shares of light along the normal that a diffuse model's two shapes reflect.
+
+    As `directional_albedo` at 0 degrees, where nothing depends on the azimuth.
+    """
+    x, weight = _polar_quadrature()
+    mu = 0.5 * (x + 1.0)
+    one, zero = np.ones_like(mu), np.zeros_like(mu)
+    shapes = brdf.diffuse_shapes(model, brdf.Facing(one, mu, zero, one, zero), sigma)
+    first, second = (float(np.sum(np.pi * weight * mu * shape)) for shape in shapes)
+    return first, second
+
+
+def level_lobe_albedo(s: float, fresnel: brdf.Fresnel) -> float:
+    """Share of light along the normal that a lobe of unit strength reflects; s in radians.
+
+    As `directional_albedo` at 0 degrees, where nothing depends on the azimuth.
+    """
+    x, weight = _polar_quadrature()
+    reach = min(LOBE_REACH_SD * s, 0.5 * np.pi)
+    delta = 0.5 * reach * (x + 1.0)
+    cos = np.cos(delta)
+    mu_o = 2.0 * cos * cos - 1.0
+    f = brdf.Facing(np.ones_like(cos), mu_o, np.zeros_like(cos), cos, delta * delta)
+    value = brdf.torrance_sparrow(f, s, fresnel) * np.maximum(mu_o, 0.0) * 4.0 * cos
+    return float(np.sum(np.pi * reach * weight * np.sin(delta) * value))
+
+
 @lru_cache(maxsize=1)
 def _polar_quadrature() -> tuple[Array, Array]:
     return np.polynomial.legendre.leggauss(POLAR_NODES)

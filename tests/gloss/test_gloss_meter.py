@@ -22,6 +22,7 @@ from relgloss_view.gloss.meter.meter import (
     luminous_weights,
     specular_gloss,
 )
+from relgloss_view.gloss.meter.shares import lobe_flux
 from relgloss_view.gloss.meter.table import table_readings
 from relgloss_view.gloss.meter.uncertainty import fitted_steps
 from relgloss_view.material import brdf
@@ -124,7 +125,7 @@ class TestIntegral:
         """
         meter = dataclasses.replace(SPECULAR[angle], source_deg=(0.0, 0.0))
         window, s = meter.windows[0], math.radians(s_deg)
-        share = gloss_geometry.lobe_flux(meter, window, s_deg, 1.5) / fresnel(angle, 1.5)
+        share = lobe_flux(meter, window, s_deg, 1.5) / fresnel(angle, 1.5)
         half_x, half_y = (math.tan(math.radians(0.5 * w)) for w in (
             window.in_plane_deg, window.across_deg))  # fmt: skip
         spread_x, spread_y = 2.0 * s, 2.0 * s * math.cos(math.radians(angle))
@@ -177,7 +178,7 @@ class TestIntegral:
                 inside = np.hypot(along, across) <= half_x
             hits = np.where(inside & (depth > 0), weight, 0.0)
             error = np.std(hits) / math.sqrt(count)
-            flux = gloss_geometry.lobe_flux(meter, window, s_deg, 1.5)
+            flux = lobe_flux(meter, window, s_deg, 1.5)
             # 4.5 standard errors: 27 windows, one false alarm in 5000 runs. A window that fewer
             # than some tens of facets hit has no Gaussian error; its expected count bounds it.
             likely = error + flux / math.sqrt(max(flux * count / fresnel(meter.angle_deg, 1.5), 1))

@@ -10,8 +10,9 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.fitting.estimate import prior
 from relgloss_view.fitting.estimate.prior import INDEX, LOG_S, RATIO, SHARE, STRENGTH
-from relgloss_view.gloss.meter.geometry import SPECULAR, diffuse_flux
+from relgloss_view.gloss.meter.geometry import SPECULAR
 from relgloss_view.gloss.meter.lobe_table import ALBEDO, TRAPPED, lobe_table
+from relgloss_view.gloss.meter.shares import diffuse_flux
 from relgloss_view.material import brdf
 from relgloss_view.material.material import S_DEG_MAX
 from relgloss_view.measure.spectrum import AT_45_0, SPHERE_INCLUDED

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,6 +35,7 @@ WINDOW_NODES = 36  #: along each side; twice as many change no reading by 4e-5 o
 
 DIFFUSE_NODES = 12  #: the diffuse part hardly varies over a window
 
+_UNREAD = np.zeros(())  #: in place of what a function does not read of an orientation
 #: Facet normals per solid angle from squared angles to the normal, both of the same shape.
 Density = Callable[[Array], Array]
 
@@ -129,14 +131,12 @@ DISTINCTNESS = Meter(
 )
 
 
-@lru_cache(maxsize=4096)
-def lobe_flux(meter: Meter, window: Window, s_deg: float, index: brdf.Fresnel) -> float:
-    """Share that a Torrance-Sparrow lobe, or a part of a metal's, of unit strength sends into a
-    window.
-    """
-    s = float(np.radians(max(s_deg, MIRROR_DEG)))
-    amplitude = brdf.facet_amplitude(s)
-    return facet_flux(meter, window, lambda d2: brdf.facet_density(d2, s, amplitude), index, s)
+class Nodes(NamedTuple):
+    """The nodes of a window's integral, of any shape, and what a lobe needs of each."""
+
+    delta2: Array  #: squared angle between normal and half-vector, rad^2
+    cos_d: Array  #: cosine at the facet
+    weight: Array  #: source's share, solid angle, shadowing and cos_o over 4, so a flux sums D F
 
 
 def facet_flux(
@@ -158,12 +158,33 @@ def facet_flux(
     return float(np.sum(weight * value * brdf.shadowing(f) * f.mu_o))
 
 
-@lru_cache(maxsize=1024)
-def diffuse_flux(meter: Meter, window: Window, model: str, sigma: float) -> tuple[float, float]:
-    """Shares that the two shapes of a diffuse model send into a window (see brdf)."""
+def nodes_of(meter: Meter, window: Window, s: float | None) -> Nodes:
+    """The nodes (S, N, N) that a lobe of facet sd s (radians) is summed over.
+
+    They are those of `facet_flux`, without vectors: the specimen lies level and the window's plane
+    is spanned by unit vectors at right angles, so every angle has its own formula. Without s they
+    cover the window.
+    """
+    plane = _plane(meter, window, s, WINDOW_NODES)
+    sin, cos = _slope(meter.angle_deg + window.offset_deg)
+    i_x, i_y, i_z = (meter.to_source[:, k, None, None] for k in range(3))
+    x, y = plane.x, plane.y[..., None]
+    shorter = 1.0 / np.sqrt(1.0 + x * x + y * y)
+    mu_o = (cos - sin * x) * shorter
+    half_x, half_y, half_z = i_x - (sin + cos * x) * shorter, i_y + y * shorter, i_z + mu_o
+    level = half_x * half_x + half_y * half_y
+    cos_d = 0.5 * np.sqrt(level + half_z * half_z)
+    delta = np.arctan2(np.sqrt(level), half_z)
+    weight = plane.area * (shorter * shorter * shorter) * mu_o
+    weight *= 0.25 * meter.source[2][:, None, None]
+    f = brdf.Facing(i_z, mu_o, _UNREAD, cos_d, _UNREAD)
+    return Nodes(delta * delta, cos_d, weight * brdf.shadowing(f))
+
+
+def diffuse_nodes(meter: Meter, window: Window) -> tuple[brdf.Facing, Array]:
+    """The orientations (P,) over which a diffuse part is summed, and their weights (P,)."""
     f, weight = _directions(meter, window, None, DIFFUSE_NODES)
-    first, second = brdf.diffuse_shapes(model, f, sigma)
-    return float(np.sum(weight * f.mu_o * first)), float(np.sum(weight * f.mu_o * second))
+    return brdf.Facing(*(part.ravel() for part in f)), (weight * f.mu_o).ravel()
 
 
 def farthest_deg(meter: Meter, window: Window) -> float:
@@ -180,21 +201,30 @@ def _directions(
     The weights hold the source's share and the solid angle. The nodes of x fill a chord of the
     window; across a disc y = c + h sin(t), which makes the ends of the chords smooth.
     """
-    theta = np.radians(meter.angle_deg + window.offset_deg)
-    axis = np.array([-np.sin(theta), 0.0, np.cos(theta)])
-    along = np.array([-np.cos(theta), 0.0, -np.sin(theta)])
+    sin, cos = _slope(meter.angle_deg + window.offset_deg)
+    axis, along = np.array([-sin, 0.0, cos]), np.array([-cos, 0.0, -sin])
     across = np.array([0.0, 1.0, 0.0])
-    to_source, (_, _, share) = meter.to_source, meter.source
-    mirror = to_source * np.array([-1.0, -1.0, 1.0])
-    depth = mirror @ axis
-    centre_x, centre_y = (mirror @ along) / depth, (mirror @ across) / depth
+    plane = _plane(meter, window, s, nodes)
+    x, y = plane.x, np.broadcast_to(plane.y[..., None], plane.x.shape)
+    o = axis + x[..., None] * along + y[..., None] * across
+    solid_angle = plane.area * (1.0 + x * x + y * y) ** -1.5
+    i = np.broadcast_to(meter.to_source[:, None, None, :], o.shape)
+    normal = np.broadcast_to(np.array([0.0, 0.0, 1.0]), o.shape)
+    return brdf.facing(normal, i, _unit(o)), meter.source[2][:, None, None] * solid_angle
 
+
+class _Plane(NamedTuple):
+    """Nodes of the window's plane at unit distance."""
+
+    x: Array  #: (S, N, N)
+    y: Array  #: (S, N)
+    area: Array  #: (S, N, N)
+
+
+def _plane(meter: Meter, window: Window, s: float | None, nodes: int) -> _Plane:
+    centre_x, centre_y = _mirrored(meter, window)
     half_x, half_y = _tangent(0.5 * window.in_plane_deg), _tangent(0.5 * window.across_deg)
-    reach_x = reach_y = np.inf
-    if s is not None:
-        reach_x = REACH_MARGIN * np.tan(min(2.0 * REACH_SD * s, REACH_LARGEST))
-        tilt = np.tan(min(REACH_SD * s, REACH_LARGEST))
-        reach_y = REACH_MARGIN * 2.0 * np.cos(np.radians(meter.angle_deg)) * tilt
+    reach_x, reach_y = (np.inf, np.inf) if s is None else reach_of(meter, s)
     node, node_weight = _gauss(nodes)
 
     middle, half = _clip(centre_y, reach_y, half_y)  # (S,)
@@ -205,14 +235,34 @@ def _directions(
     chord = np.sqrt(np.maximum(half_x**2 - y * y, 0.0)) if window.round else half_x + 0.0 * y
     middle, half = _clip(centre_x[:, None], reach_x, chord)  # (S, N)
     x = middle[..., None] + half[..., None] * node  # (S, N, N)
-    area = weight_y[..., None] * half[..., None] * node_weight
+    return _Plane(x, y, weight_y[..., None] * half[..., None] * node_weight)
 
-    y = np.broadcast_to(y[..., None], x.shape)
-    o = axis + x[..., None] * along + y[..., None] * across
-    solid_angle = area * (1.0 + x * x + y * y) ** -1.5
-    i = np.broadcast_to(to_source[:, None, None, :], o.shape)
-    normal = np.broadcast_to(np.array([0.0, 0.0, 1.0]), o.shape)
-    return brdf.facing(normal, i, _unit(o)), share[:, None, None] * solid_angle
+
+def _mirrored(meter: Meter, window: Window) -> tuple[Array, Array]:
+    """Where the source's mirror image lies in the window's plane, x and y, (S,) each."""
+    sin, cos = _slope(meter.angle_deg + window.offset_deg)
+    mirror = meter.to_source * np.array([-1.0, -1.0, 1.0])
+    depth = mirror @ np.array([-sin, 0.0, cos])
+    return mirror @ np.array([-cos, 0.0, -sin]) / depth, mirror[:, 1] / depth
+
+
+def reach_of(meter: Meter, s: float) -> tuple[float, float]:
+    """How far from the mirror image a lobe of facet sd s (radians) is followed, x and y."""
+    reach_x = REACH_MARGIN * np.tan(min(2.0 * REACH_SD * s, REACH_LARGEST))
+    tilt = np.tan(min(REACH_SD * s, REACH_LARGEST))
+    return float(reach_x), float(REACH_MARGIN * 2.0 * np.cos(np.radians(meter.angle_deg)) * tilt)
+
+
+@lru_cache(maxsize=32)
+def spread_of(meter: Meter, window: Window) -> tuple[float, float]:
+    """The farthest that a window's edge lies from a point of the mirror image, x and y."""
+    centre_x, centre_y = _mirrored(meter, window)
+    half_x, half_y = _tangent(0.5 * window.in_plane_deg), _tangent(0.5 * window.across_deg)
+    return half_x + float(np.max(np.abs(centre_x))), half_y + float(np.max(np.abs(centre_y)))
+
+
+def _slope(angle_deg: float) -> tuple[float, float]:
+    return float(np.sin(np.radians(angle_deg))), float(np.cos(np.radians(angle_deg)))
 
 
 def _clip(centre: Array, reach: float, limit: Array | float) -> tuple[Array, Array]:

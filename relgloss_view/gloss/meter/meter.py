@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,12 +22,10 @@ from relgloss_view.gloss.meter.geometry import (
     SPECULAR,
     Meter,
     Window,
-    diffuse_flux,
-    lobe_flux,
 )
+from relgloss_view.gloss.meter.shares import Shares
 from relgloss_view.gloss.meter.uncertainty import fitted_steps, standard_error
 from relgloss_view.material import brdf, spectra
-from relgloss_view.material.albedo import directional_albedo
 from relgloss_view.material.material import S_DEG_DRAWN, S_DEG_MAX, Lobe, Material
 from relgloss_view.measure.bands import Bands
 
@@ -93,7 +92,7 @@ def gloss_readings(material: Material) -> tuple[Reading, ...]:
     >>> round(readings["gloss-60"], 1), round(readings["contrast-gloss"], 3)
     (30.3, 0.048)
     """
-    steps = fitted_steps(material)
+    steps, folds = fitted_steps(material), _Folds()
 
     def read(
         key: str, name: str, standard: str, number_of: Callable[[Material], float | None], why: str
@@ -103,24 +102,25 @@ def gloss_readings(material: Material) -> tuple[Reading, ...]:
             return Reading(key, name, standard, None, reason=why)
         return Reading(key, name, standard, value, standard_error(number_of, steps))
 
+    body = dataclasses.replace(material, specular=())
+
     def metered(meter: Meter) -> Reading:
         reading = read(
             meter.key,
             meter.name,
             meter.standard,
-            lambda varied: _metered(varied, meter),
+            lambda varied: _metered(varied, meter, folds),
             "nothing is reflected there",
         )
         if meter is DISTINCTNESS:
             return reading
-        body = dataclasses.replace(material, specular=())
         note = _unchecked(material, meter)
-        return dataclasses.replace(reading, diffuse=_metered(body, meter), note=note)
+        return dataclasses.replace(reading, diffuse=_metered(body, meter, folds), note=note)
 
     no_lobe = "there is no specular lobe"
     return (
         *(metered(meter) for meter in METERS),
-        read("contrast-gloss", "contrast gloss c", FERWERDA, _contrast, ""),
+        read("contrast-gloss", "contrast gloss c", FERWERDA, lambda m: _contrast(m, folds), ""),
         read("distinctness", "distinctness d", FERWERDA, _sharpness, no_lobe),
     )
 
@@ -137,7 +137,7 @@ def _unchecked(material: Material, meter: Meter) -> str:
 
 def specular_gloss(material: Material, angle_deg: float) -> float:
     """Reading at 20, 60, 85 (ISO 2813, ASTM D523) or 75 degrees (TAPPI T 480), in gloss units."""
-    value = _metered(material, meter_at(angle_deg))
+    value = _metered(material, meter_at(angle_deg), _Folds())
     assert value is not None  # only distinctness can be undefined
     return value
 
@@ -173,31 +173,78 @@ def from_fluxes(meter: Meter, fluxes: list[float]) -> float | None:
     return 100.0 * sum(fluxes) / meter.mirror_flux(meter.glass)
 
 
-def _metered(material: Material, meter: Meter) -> float | None:
-    return from_fluxes(meter, [_flux(material, meter, window) for window in meter.windows])
+class _Folded(NamedTuple):
+    """The luminous factors of a material's parts: all that its spectra do to a reading."""
+
+    model: str
+    sigma: float
+    first: float  #: of the diffuse model's first shape
+    second: float
+    lobes: tuple[tuple[Lobe, tuple[tuple[brdf.Fresnel, float], ...]], ...]
 
 
-def _flux(material: Material, meter: Meter, window: Window) -> float:
-    """Luminous share of the light that a material sends into a window."""
+class _Folds:
+    """The folded parts of the materials that one reading looks at, each folded once.
+
+    By the identity of materials that the reading itself keeps alive.
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[int, tuple[Material, _Folded]] = {}
+        self.shares = Shares()
+
+    def of(self, material: Material) -> _Folded:
+        if id(material) not in self._known:
+            self._known[id(material)] = material, _folded(material)
+        return self._known[id(material)][1]
+
+
+def _folded(material: Material) -> _Folded:
     weight, body = _luminous(material), material.diffuse
-    first, second = diffuse_flux(meter, window, body.model, body.sigma)
-    total = first * (weight @ np.asarray(body.albedo)) + second * (
-        weight @ material.second_albedo()
+    return _Folded(
+        body.model,
+        body.sigma,
+        float(weight @ np.asarray(body.albedo)),
+        float(weight @ material.second_albedo()),
+        tuple(
+            (
+                lobe,
+                tuple(
+                    (part.fresnel, float(weight @ part.spectrum))
+                    for part in lobe.parts(material.bands.count)
+                ),
+            )
+            for lobe in material.visible_lobes()
+        ),
     )
-    for lobe in material.visible_lobes():
-        for part in lobe.parts(material.bands.count):
-            share = lobe_flux(meter, window, lobe.s_deg, part.fresnel)
-            total += share * float(weight @ part.spectrum)
-    return float(total)
 
 
-def _contrast(material: Material) -> float:
+def _metered(material: Material, meter: Meter, folds: _Folds) -> float | None:
+    parts = folds.of(material)
+    return from_fluxes(meter, [_flux(parts, meter, w, folds.shares) for w in meter.windows])
+
+
+def _flux(parts: _Folded, meter: Meter, window: Window, shares: Shares) -> float:
+    """Luminous share of the light that a material sends into a window."""
+    first, second = shares.diffuse_flux(meter, window, parts.model, parts.sigma)
+    total = first * parts.first + second * parts.second
+    for lobe, spectra_of in parts.lobes:
+        for fresnel, factor in spectra_of:
+            total += factor * shares.lobe_flux(meter, window, lobe.s_deg, fresnel)
+    return total
+
+
+def _contrast(material: Material, folds: _Folds) -> float:
     """Contrast gloss c = cbrt(rho_s + rho_d / 2) - cbrt(rho_d / 2), Pellacini et al. 2000.
 
     rho_d and rho_s are the luminous diffuse and specular albedo at normal incidence.
     """
-    weight = _luminous(material)
-    diffuse, specular = (float(weight @ part[0]) for part in directional_albedo(material, 0.0))
+    parts = folds.of(material)
+    first, second = folds.shares.diffuse_albedo(parts.model, parts.sigma)
+    diffuse, specular = first * parts.first + second * parts.second, 0.0
+    for lobe, spectra_of in parts.lobes:
+        for fresnel, factor in spectra_of:
+            specular += factor * folds.shares.lobe_albedo(lobe.s, fresnel)
     return float(np.cbrt(specular + 0.5 * diffuse) - np.cbrt(0.5 * diffuse))
 
 

@@ -22,9 +22,9 @@ from relgloss_view.gloss.meter.geometry import (
     Meter,
     facet_flux,
     farthest_deg,
-    lobe_flux,
 )
 from relgloss_view.gloss.meter.meter import Reading, from_fluxes, luminous_weights
+from relgloss_view.gloss.meter.shares import lobe_flux
 from relgloss_view.material import brdf
 from relgloss_view.measure.table import Measurement
 
