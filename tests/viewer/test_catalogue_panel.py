@@ -210,7 +210,54 @@ def is_built_again(hand, found):
     found["asked"] = asked == [str(folder)]
 
 
-SCRIPTS = [searches, becomes_a_sample, moves_by_keys, has_a_menu, draws_what_shows, is_built_again]
+def opens_files(hand, found):
+    import shutil
+
+    actions, files = hand.app.files.catalogue, hand.app.files
+    stock = hand.folder / "stock"
+    made_catalogue.write(stock, 30)
+    before = names(hand)
+    for path in (stock, stock / "catalogue.parquet"):
+        actions.opened = None
+        hand.do(lambda path=path: hand.app.dropped([str(path)]))
+        hand.until(lambda: actions.found is not None and actions.opened is not None)
+        found[f"dropped {path.name}"] = [actions.found.total, names(hand) == before]
+    hand.frames(10)
+    found["drawn"] = hand.until(lambda: actions.thumbnails.count > 3)
+    hand.do(actions.reload)
+    found["reloaded"] = hand.until(lambda: not actions.coming)
+    # The last session's: opened when the panel shows, and one line where it is gone.
+    actions.opened = actions.found = None
+    hand.do(lambda: hand.app.layout.focus("Look"))
+    panel = next(p for p in hand.app.layout.panels if p.title == "Catalogue")
+    panel.visible = False
+    hand.do(lambda: actions.remember(str(stock)))
+    hand.frames(10)
+    found["waits"] = actions.opened is None and actions.folder == str(stock)
+    hand.do(lambda: hand.app.layout.focus("Catalogue"))
+    found["remembered"] = hand.until(lambda: actions.opened is not None)
+    shutil.move(stock, hand.folder / "elsewhere")
+    actions.opened = actions.found = None
+    count = len(hand.model.notes)
+    hand.do(lambda: actions.remember(str(stock)))
+    hand.until(lambda: len(hand.model.notes) > count)
+    hand.frames(20)
+    found["gone"] = [[note.text, note.fault] for note in hand.model.notes[count:]]
+    found["empty"] = hand.there("//Catalogue/Open catalogue...")
+    hand.click("//Catalogue/Open catalogue...")
+    found["asks"] = files.dialogs.open
+    hand.do(files.dialogs.close)
+
+
+SCRIPTS = [
+    searches,
+    becomes_a_sample,
+    moves_by_keys,
+    has_a_menu,
+    draws_what_shows,
+    is_built_again,
+    opens_files,
+]
 
 
 # --- tests ----------------------------------------------------------------------------------------
@@ -311,3 +358,24 @@ def test_only_what_shows_is_decoded_and_little_is_kept(more_found):
 @pytest.mark.slow
 def test_a_catalogue_that_is_built_again_offers_to_be_read(more_found):
     assert more_found["is_built_again"] == {"noticed": True, "asked": True}
+
+
+@pytest.mark.slow
+def test_a_catalogue_opens_by_a_drop_and_again_in_the_next_session(more_found):
+    got = more_found["opens_files"]
+    assert got["dropped stock"] == [30, True]
+    assert got["dropped catalogue.parquet"] == [30, True]
+    assert got["drawn"]
+    assert got["reloaded"]
+    assert got["waits"]
+    assert got["remembered"]
+
+
+@pytest.mark.slow
+def test_one_line_says_that_the_last_one_is_gone(more_found):
+    got = more_found["opens_files"]
+    ((text, fault),) = got["gone"]
+    assert fault
+    assert "stock" in text
+    assert got["empty"]
+    assert got["asks"]

@@ -102,7 +102,7 @@ class _Grid:
             self._menu(hit)
             imgui.end_popup()
         elif hovered and not imgui.is_mouse_dragging(imgui.MouseButton_.left):
-            widgets.tooltip(tooltip_of(hit, self.found), beside=True)
+            widgets.tooltip(tooltip_of(hit, self.found))
 
     def _take_hand(self, hit: Hit, *, hovered: bool, focused: bool) -> None:
         actions, key = self.actions, imgui.Key

@@ -42,7 +42,7 @@ def _mark(side: str, rect: Rect, origin: ImVec2) -> None:
     words = WORDS[side]
     size, pad = imgui.calc_text_size(words), em(0.5)
     x = 0.5 * (low.x + high.x - size.x)
-    y = low.y + 0.75 * (high.y - low.y)
+    y = high.y - size.y - 2.0 * pad
     ground = ImVec2(x - pad, y - 0.5 * pad), ImVec2(x + size.x + pad, y + size.y + 0.5 * pad)
     painter.add_rect_filled(*ground, imgui.get_color_u32(gray(POPUP, 0.9)), 3.0)
     painter.add_text(ImVec2(x, y), imgui.get_color_u32(gray(TEXT)), words)

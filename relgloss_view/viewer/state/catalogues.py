@@ -6,14 +6,15 @@ No OpenGL, no window library, no reading of files: the catalogue has been read i
 from __future__ import annotations
 
 import math
-import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
 from relgloss_view.base.reading import printable
+from relgloss_view.base.shell import command_line, operand
 from relgloss_view.base.terminal import ProgressReport, no_progress
+from relgloss_view.base.words import sentence_case
 from relgloss_view.catalogue.columns import DONE
 from relgloss_view.catalogue.query.fault import QueryError
 from relgloss_view.catalogue.query.found import Found, Hit, Searched
@@ -55,15 +56,21 @@ _READINGS = (
 #: The same under a thumbnail, and what else a query may be about: heading, decimals, unit.
 SHORT = {
     "gloss_60": ("", 1, " GU"),
-    "gloss_20": ("20°: ", 1, " GU"),
-    "gloss_75": ("75°: ", 1, " GU"),
-    "gloss_85": ("85°: ", 1, " GU"),
+    "gloss_20": ("20°: ", 1, ""),
+    "gloss_75": ("75°: ", 1, ""),
+    "gloss_85": ("85°: ", 1, ""),
     "haze": ("haze ", 1, ""),
     "doi": ("DOI ", 1, ""),
     "contrast_gloss": ("c ", 3, ""),
     "distinctness": ("d ", 3, ""),
     "s_deg_1": ("lobe ", 2, "°"),
     "L_star": ("L* ", 1, ""),
+}
+#: What a query computes, under a thumbnail: before and after the number.
+MEASURES = {
+    "ratio": ("", " x"),
+    "colour_difference": ("dE ", ""),
+    "picture_difference": ("dE ", ""),
 }
 _MEANINGS = {
     "poor": "The fit is poor: look at the panel Fit before you rely on it.",
@@ -186,7 +193,8 @@ def numbers_of(hit: Hit, found: Found) -> str:
     ratio = _number(row.get("gloss_ratio"))
     if computed:
         measure, value = computed[0]
-        parts.append(f"{value:.{measure.decimals}f} {measure.label}")
+        before, after = MEASURES.get(measure.key, ("", f" {measure.label}"))
+        parts.append(f"{before}{value:.2f}{after}")
     elif ratio is not None:
         parts.append(f"{ratio:.2f} x")
     return "  ".join(part for part in parts if part)
@@ -213,8 +221,9 @@ def tooltip_of(hit: Hit, found: Found) -> str:
     ratio = _number(row.get("gloss_ratio"))
     if ratio is not None:
         lines.append(f"{ratio:.3f} x as glossy as the catalogue's reference")
-    facts = [printable(str(row[k]), 80) for k in ("model", "source") if row.get(k)]
-    lines += [", ".join(facts)] if facts else []
+    model, source = row.get("model"), row.get("source")
+    lines += [f"Model: {printable(str(model), 80)}"] if model else []
+    lines += [sentence_case(printable(str(source), LONGEST_LINE))] if source else []
     for mark in marks_of(row):
         lines.append(_MEANINGS.get(mark, mark))
     warnings = [one for one in str(row.get("warnings") or "").splitlines() if one.strip()]
@@ -246,7 +255,8 @@ def _colour(row: Row) -> list[str]:
     lab = [_number(row.get(name)) for name in ("L_star", "a_star", "b_star")]
     if any(one is None for one in lab):
         return []
-    return ["L* a* b*: " + ", ".join(f"{one:.1f}" for one in lab if one is not None)]
+    # Rounded to nothing, a negative number has no sign.
+    return ["L* a* b*: " + ", ".join(f"{round(v, 1) + 0.0:.1f}" for v in lab if v is not None)]
 
 
 def _number(value: object) -> float | None:
@@ -287,4 +297,4 @@ def view_command(file: Path) -> str:
     >>> view_command(Path("a mill/silk.json"))
     "relgloss view 'a mill/silk.json'"
     """
-    return shlex.join(["relgloss", "view", str(file)])
+    return command_line(["relgloss", "view", operand(file)])
