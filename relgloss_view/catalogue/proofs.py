@@ -11,13 +11,14 @@ from pathlib import Path
 
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.version import PROGRAM, __version__
+from relgloss_view.catalogue.look import reference_of
 from relgloss_view.catalogue.query.found import Found, Hit, Searched
-from relgloss_view.catalogue.query.pictures import PAPER, Drawer
 from relgloss_view.gloss.match import matched
 from relgloss_view.picture.scene.look import viewed_look
 from relgloss_view.picture.scene.match import Match
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.picture.scene.scene_file import SceneFile
+from relgloss_view.picture.scene.setup import Setup
 from relgloss_view.proof.content import content_of
 from relgloss_view.proof.page.whole import page_of
 from relgloss_view.proof.proof import MOST_NOTE, Message, Proof, present_time
@@ -87,8 +88,7 @@ def listed_proofs(manifest: object) -> Sequence[str]:
 
 
 def _proof(hit: Hit, found: Found, catalogue: Searched, renderer: FrameRenderer) -> Proof:
-    drawer = Drawer.of(catalogue.recipe, renderer)
-    base = drawer.reference
+    base = reference_of(catalogue.recipe)
     material = catalogue.material(hit.path)
     sigma = float(hit.row.get("sigma_n_deg") or 0.0)
     match = matched(base, material, sigma)
@@ -96,13 +96,14 @@ def _proof(hit: Hit, found: Found, catalogue: Searched, renderer: FrameRenderer)
     pair: Match | None = match
     if found.reference is not None:
         reference = found.reference.material
-        own = matched(base, reference, 0.0)
-        reference_look = viewed_look().with_entries(c=own.test_c, sigma_n_deg=0.0)
+        grain = found.reference.sigma_n_deg
+        own = matched(base, reference, grain)
+        reference_look = viewed_look().with_entries(c=own.test_c, sigma_n_deg=grain)
         pair = None
     scene = SceneFile(
         Sample(material),
         viewed_look().with_entries(c=match.test_c, sigma_n_deg=sigma),
-        PAPER,
+        Setup(),
         Sample(reference),
         viewed_look().with_entries(c=reference_look.c, sigma_n_deg=reference_look.sigma_n_deg),
         match=pair,

@@ -95,7 +95,9 @@ def _numbers(hit: Hit) -> str:
 
 def _note(hits: Sequence[Hit], found: Found) -> str:
     """What the captions mean."""
-    words = f"GU: {label_of('gloss_60')}. x: gloss over the reference's."
+    own = any(measure.key == "ratio" for measure in found.measures)
+    reference = found.reference.words if own and found.reference else "the catalogue's reference"
+    words = f"GU: {label_of('gloss_60')}. x: gloss over that of {printable(reference, 80)}."
     if any(hit.row.get("is_ratio_kept") is False for hit in hits):
         words += " cut: shown at c_max, with less gloss than the ratio asks for."
     return f"{words} Order: {printable(found.order, 200)}."

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
+import shutil
+import tempfile
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -70,27 +73,26 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.catalogue.catalogue import Catalogue
     from relgloss_view.catalogue.query.listing import listing
     from relgloss_view.catalogue.query.parse import parse
+    from relgloss_view.catalogue.query.search import search
 
     _check(args)
     query = parse(" ".join(args.query))
     catalogue = Catalogue.open(args.catalogue)
-    proofs: tuple[MadeProof, ...] = ()
     with ExitStack() as stack:
         progress = stack.enter_context(Progress("search"))
         renderer = _renderer(args, query, stack)
-        from relgloss_view.catalogue.query.search import search
-
-        limit = args.limit or None
         exact = None if args.quick else renderer
-        found = search(catalogue, query, limit, renderer=exact, progress=progress)
+        found = search(catalogue, query, args.limit or None, renderer=exact, progress=progress)
+        # Before the block below: what is written in it has its place at its end alone.
+        made = _proofs(args, found, catalogue, renderer, stack, progress)
         with together():
-            if args.proofs is not None:
-                assert renderer is not None
-                proofs = _proofs(args.proofs, found, catalogue, renderer, progress)
+            if made is not None:
+                made.put(args.proofs)
             if args.output is not None:
                 _sheet(args.output, found, catalogue)
             if args.page is not None:
-                _page(args, found, catalogue, proofs)
+                _page(args, found, catalogue, made)
+    proofs = () if made is None else made.proofs
     if args.json:
         content = found.as_json()
         content["proofs"] = {one.path: one.file for one in proofs}
@@ -114,6 +116,8 @@ def _check(args: argparse.Namespace) -> None:
         if Path(name).suffix.lower() not in endings:
             raise InputError(f"{what}, found {printable(name)!r}")
         check_writable(name)
+    if args.proofs is not None:
+        _proofs_folder(args.proofs)
 
 
 def _renderer(args: argparse.Namespace, query: Any, stack: ExitStack) -> FrameRenderer | None:
@@ -127,20 +131,49 @@ def _renderer(args: argparse.Namespace, query: Any, stack: ExitStack) -> FrameRe
     return stack.enter_context(open_renderer("auto"))
 
 
-def _proofs(
-    name: str, found: Found, catalogue: Catalogue, renderer: FrameRenderer, progress: Progress
-) -> tuple[MadeProof, ...]:
-    from relgloss_view.base.json_files import read_mark
-    from relgloss_view.catalogue.proofs import FORMAT, MANIFEST, listed_proofs, write_proofs
+@dataclass(frozen=True)
+class _Proofs:
+    """Proofs that are made, in a temporary folder."""
+
+    folder: Path
+    proofs: tuple[MadeProof, ...]
+
+    def put(self, name: str) -> None:
+        """Put them into the folder that was asked for, in the place of a former search's."""
+        from relgloss_view.base.json_files import read_mark
+        from relgloss_view.catalogue.proofs import MANIFEST, listed_proofs
+
+        def stale(old: Path) -> list[str]:
+            return list(listed_proofs(read_mark(old / MANIFEST)))
+
+        with whole_folder(_proofs_folder(name), MANIFEST, stale) as temporary:
+            for file in self.folder.iterdir():
+                shutil.copyfile(file, temporary / file.name)
+
+
+def _proofs_folder(name: str) -> Path:
+    """The folder of proofs, new or of a former search; InputError for any other one."""
+    from relgloss_view.catalogue.proofs import FORMAT, MANIFEST
     from relgloss_view.commands.output_folder import own_folder
 
-    folder = own_folder(name, {MANIFEST: FORMAT}, "catalogue search --proofs", alone=True)
+    return own_folder(name, {MANIFEST: FORMAT}, "catalogue search --proofs", alone=True)
 
-    def stale(old: Path) -> list[str]:
-        return list(listed_proofs(read_mark(old / MANIFEST)))
 
-    with whole_folder(folder, MANIFEST, stale) as temporary:
-        return write_proofs(found, catalogue, temporary, renderer, progress)
+def _proofs(
+    args: argparse.Namespace,
+    found: Found,
+    catalogue: Catalogue,
+    renderer: FrameRenderer | None,
+    stack: ExitStack,
+    progress: Progress,
+) -> _Proofs | None:
+    """The proofs of the hits; None where none are asked for."""
+    if args.proofs is None or renderer is None:
+        return None
+    from relgloss_view.catalogue.proofs import write_proofs
+
+    folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="relgloss-")))
+    return _Proofs(folder, write_proofs(found, catalogue, folder, renderer, progress))
 
 
 def _sheet(name: str, found: Found, catalogue: Catalogue) -> None:
@@ -154,11 +187,12 @@ def _sheet(name: str, found: Found, catalogue: Catalogue) -> None:
 
 
 def _page(
-    args: argparse.Namespace, found: Found, catalogue: Catalogue, proofs: tuple[MadeProof, ...]
+    args: argparse.Namespace, found: Found, catalogue: Catalogue, made: _Proofs | None
 ) -> None:
     from relgloss_view.catalogue.page.write import write_page
 
     folder = Path(args.proofs or "")
+    proofs = () if made is None else made.proofs
     write_page(found, catalogue, args.page, {one.path: folder / one.file for one in proofs})
 
 

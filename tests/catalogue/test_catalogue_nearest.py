@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 from search_rows import MemoryCatalogue, paths
 
+from relgloss_view.catalogue.look import reference_of
 from relgloss_view.catalogue.proofs import MANIFEST, write_proofs
 from relgloss_view.catalogue.query import nearest
 from relgloss_view.catalogue.query.fault import QueryError
@@ -36,7 +37,7 @@ def renderer():
 @pytest.fixture(scope="module")
 def catalogue(renderer):
     """Each paper in each ink, with thumbnails as the recipe draws them."""
-    drawer = Drawer.of(Recipe(), renderer)
+    drawer = Drawer(Recipe(), renderer)
     rows, materials, thumbnails = [], {}, {}
     for paper in SAMPLES:
         for k, lab in enumerate(INKS):
@@ -47,7 +48,7 @@ def catalogue(renderer):
             Image.fromarray(np.ascontiguousarray(frame.display)).save(data, "PNG")
             frame.forget()
             materials[path], thumbnails[path] = material, data.getvalue()
-            ratio = gloss_of(material) / drawer.reference.reading
+            ratio = gloss_of(material) / reference_of(Recipe()).reading
             rows.append(
                 {
                     "path": path,
@@ -67,7 +68,7 @@ def by_colour_science(renderer, first, second):
     """(object mean, object p95, highlight p95) from two frames' bytes, by other code than ours."""
     import colour
 
-    frames = [Drawer.of(Recipe(), renderer).draw(m, (256, 256)) for m in (first, second)]
+    frames = [Drawer(Recipe(), renderer).draw(m, (256, 256)) for m in (first, second)]
     d65 = colour.CCS_ILLUMINANTS["CIE 1931 2 Degree Standard Observer"]["D65"]
     labs = [colour.XYZ_to_Lab(colour.sRGB_to_XYZ(f.display / 255.0), d65) for f in frames]
     differences = colour.difference.delta_E(*labs, method="CIE 2000")
@@ -185,7 +186,7 @@ class TestRanking:
     def test_compared_pixels_lie_on_the_object(self, renderer):
         """And where cast-coated shines most, the half-vector is nearly the normal."""
         place, delta_deg = nearest._compared_pixels(PX)
-        frame = Drawer.of(Recipe(), renderer).draw(load_sample("cast-coated"), (PX, PX))
+        frame = Drawer(Recipe(), renderer).draw(load_sample("cast-coated"), (PX, PX))
         assert np.mean(frame.on_object.reshape(-1)[place]) > 0.99
         shine = frame.split[1].reshape(-1)[place]
         assert delta_deg[np.argmax(shine)] < 3.0

@@ -256,6 +256,12 @@ class TestNames:
         place, words = self.place("nearest to bad.csv")
         assert (place, "no rows" in words) == ("bad.csv", True)
 
+    def test_a_name_that_is_not_the_file(self):
+        rows = [*self.ROWS, {**gray("x/7.csv"), "name": "Blue varnish", "L_star": 50.0,
+                             "a_star": 0.0, "b_star": 0.0}]  # fmt: skip
+        found = search(MemoryCatalogue(rows), "colour near blue VARNISH")
+        assert found.reference.words == "item x/7.csv"
+
     def test_letters_of_any_kind(self):
         catalogue = MemoryCatalogue(self.ROWS)
         assert paths(search(catalogue, "name contains STRASSE")) == ["Straße.csv"]

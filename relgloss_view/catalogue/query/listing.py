@@ -7,7 +7,7 @@ from typing import Any
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, table
 from relgloss_view.catalogue.columns import BY_NAME, FLAG, NUMBER, TEXT, WHOLE
-from relgloss_view.catalogue.query.found import Found, Hit
+from relgloss_view.catalogue.query.found import Found, Hit, Measure
 from relgloss_view.catalogue.query.notes import left_out_words
 from relgloss_view.catalogue.query.vocabulary import label_of
 
@@ -28,7 +28,7 @@ def listing(found: Found) -> str:
         columns = [
             Column("rank", 4), Column("file", left=True), Column("name", left=True),
             *(Column(_heading(name), left=BY_NAME[name].kind == TEXT) for name in names),
-            *(Column(measure.label) for measure in found.measures),
+            *(Column(measure.label) for measure in _measures(found)),
         ]  # fmt: skip
         lines.append(table(columns, [_cells(hit, names, found) for hit in found.hits]))
     left_out = left_out_words(found)
@@ -52,6 +52,11 @@ def _alone(column: str, found: Found) -> bool:
     return column.removesuffix("_se") not in found.columns
 
 
+def _measures(found: Found) -> list[Measure]:
+    """The numbers of a terminal's table: means of pictures are for JSON and the page."""
+    return [measure for measure in found.measures if not measure.key.endswith("_mean")]
+
+
 def _heading(column: str) -> str:
     unit = BY_NAME[column].unit
     return f"{label_of(column)}\n{unit}" if unit else label_of(column)
@@ -60,7 +65,7 @@ def _heading(column: str) -> str:
 def _cells(hit: Hit, names: tuple[str, ...], found: Found) -> list[str]:
     cells = [str(hit.rank), printable(hit.path, LONGEST), printable(hit.name, LONGEST)]
     cells += [value_words(hit.row, name) for name in names]
-    for measure in found.measures:
+    for measure in _measures(found):
         value = hit.numbers.get(measure.key)
         cells.append(NOTHING if value is None else f"{value:.{measure.decimals}f}")
     return cells

@@ -20,15 +20,17 @@ import numpy as np
 from relgloss_view.base.arrays import Array, Bytes, Ints, Mask
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.catalogue.query.found import Measure, Searched
-from relgloss_view.catalogue.query.pictures import PAPER, Colours, Drawer
+from relgloss_view.catalogue.query.pictures import Colours, Drawer
 from relgloss_view.catalogue.query.references import Resolved
 from relgloss_view.material import brdf
 from relgloss_view.material.cielab import srgb_to_lab
 from relgloss_view.material.difference import delta_e_2000
 from relgloss_view.picture.model import shape
 from relgloss_view.picture.model.view import view_of
+from relgloss_view.picture.scene.setup import Setup
 from relgloss_view.quality.backends import FrameRenderer
 
+PAPER = Setup()
 EXACT_MOST = 50  #: pictures that are drawn anew
 EXACT_PX = 256
 LEAST_LSTAR = 1.0  #: L_s* of a pixel of any highlight
@@ -161,7 +163,8 @@ class PictureIndex:
             if len(at):
                 return np.asarray(_lab(self.pixels[at[0]]))
         size = (self.size_px, self.size_px)
-        frame = Drawer.of(catalogue.recipe, renderer).draw(reference.material, size)
+        drawer = Drawer(catalogue.recipe, renderer)
+        frame = drawer.draw(reference.material, size, reference.sigma_n_deg)
         return np.asarray(_lab(frame.display.reshape(-1, 3)[place]))
 
 
@@ -174,12 +177,13 @@ def redrawn(
     px: int = EXACT_PX,
 ) -> dict[str, PictureDifference]:
     """Exact differences of items from a reference, both drawn at px x px."""
-    drawer = Drawer.of(catalogue.recipe, renderer)
-    first = drawer.colours(reference.material, (px, px))
+    drawer = Drawer(catalogue.recipe, renderer)
+    first = drawer.colours(reference.material, (px, px), reference.sigma_n_deg)
+    grain = {str(row["path"]): float(row.get("sigma_n_deg") or 0.0) for row in catalogue.rows}
     made = {}
     for count, path in enumerate(paths):
         progress(count / len(paths), f"drawing {path}")
-        second = drawer.colours(catalogue.material(path), (px, px))
+        second = drawer.colours(catalogue.material(path), (px, px), grain.get(path, 0.0))
         made[path] = PictureDifference.of(first, second)
     return made
 

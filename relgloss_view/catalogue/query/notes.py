@@ -5,7 +5,6 @@ from __future__ import annotations
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.words import listed
 from relgloss_view.catalogue.query.found import Found
-from relgloss_view.catalogue.query.nearest import EXACT_MOST
 from relgloss_view.catalogue.query.vocabulary import label_of
 
 ERRORS = "Comparisons use the value itself, whatever its standard error."
@@ -22,12 +21,12 @@ def colour_note(words: str, lab: Array) -> str:
     return f"The colour is that of {words}: L* a* b* " + " ".join(f"{v:.1f}" for v in lab) + "."
 
 
-def pictures_note(words: str, is_exact: bool) -> str:
-    """What pictures were compared."""
+def pictures_note(words: str, redrawn: int | None) -> str:
+    """What pictures were compared; redrawn: how many exactly, None without a renderer."""
     how = (
-        f"the nearest {EXACT_MOST} were drawn anew for it"
-        if is_exact
-        else "by their thumbnails alone, which is less exact"
+        "by their thumbnails alone, which is less exact"
+        if redrawn is None
+        else f"the nearest {redrawn} were drawn anew for it"
     )
     return f"Pictures are compared with that of {words}: {how}."
 

@@ -36,6 +36,7 @@ class Resolved:
     words: str
     load: Callable[[], Material]
     row: int | None = None  #: its place among the rows; None for a sample outside
+    sigma_n_deg: float = 0.0  #: graininess of its picture
 
     @cached_property
     def material(self) -> Material:
@@ -99,7 +100,8 @@ def _of_item(
             text, *name.span, f"{path} failed: {row.get('fault') or 'no results'}",
             "choose another sample",
         )  # fmt: skip
-    return Resolved(f"item {path}", lambda: catalogue.material(path), k)
+    sigma = float(row.get("sigma_n_deg") or 0.0)
+    return Resolved(f"item {path}", lambda: catalogue.material(path), k, sigma)
 
 
 def _of_file(name: ReferenceName, text: str) -> Material:

@@ -317,7 +317,8 @@ class _Search:
         if isinstance(leaf, ColourNear) and isinstance(leaf.target, ReferenceName):
             return colour_note(self._resolve(leaf.target).words, self.target(leaf))
         if isinstance(leaf, Nearest):
-            return pictures_note(self._resolve(leaf.reference).words, is_exact)
+            count = len(self.differences.exact) if is_exact and self.differences else None
+            return pictures_note(self._resolve(leaf.reference).words, count)
         return ""
 
     def _missing(self, unknown: Ints) -> dict[str, int]:
