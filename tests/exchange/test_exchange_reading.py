@@ -27,8 +27,8 @@ MATERIAL = (
 FAST = ("satin-varnish",)
 #: Metals lose more than two units, of 500 and more, in the words of GGX; the command says so.
 FOILS = ("cold-foil-silver", "cold-foil-gold")
-#: Papers and varnishes so glossy that GGX cannot have both their peak and their tails.
-MIRRORS = ("cast-coated", "gloss-varnish", "art-coated")
+#: A paper so glossy that GGX cannot have both its peak and its tails.
+MIRRORS = ("cast-coated",)
 
 
 def document(tmp_path, node, inputs="", extra="", material=MATERIAL):
