@@ -219,6 +219,20 @@ def test_one_of_several_materials_is_named(tmp_path):
         read(path, "third")
 
 
+def test_a_mirror_is_drawn_as_the_narrowest_lobe(tmp_path):
+    """As a lacquer of OpenPBR's own examples has it: its coat's roughness is 0.02."""
+    inputs = (
+        value("base_color", "color3", "0.1, 0.6, 0.9")
+        + value("coat_weight", "float", "1")
+        + value("coat_roughness", "float", "0.02")
+    )
+    material = read(document(tmp_path, "open_pbr_surface", inputs))
+    assert any("a mirror" in line for line in material.described.not_carried)
+    units = gloss_units(material)
+    # A smooth dielectric of index 1.6 reads 112 at 20 degrees, one of 1.567 reads 100 (ISO 2813).
+    assert units["gloss-20"] == pytest.approx(112.0, rel=0.1)
+
+
 # --- hostile files -------------------------------------------------------------------------------
 
 
