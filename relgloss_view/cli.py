@@ -8,6 +8,7 @@ from relgloss_view.base.interruptions import PROGRAM, SIGNALS, WORDS  # isort: s
 import argparse
 import contextlib
 import importlib
+import keyword
 import os
 import sys
 from collections.abc import Sequence
@@ -34,6 +35,8 @@ COMMANDS = {
     "gloss": "compute what gloss meters would read on a material",
     "pack": "check, write and list packs: a form, an artwork and finishes",
     "display": "show what a monitor shows, from its profile or from readings, and check it",
+    "export": "write a material or a pack for another program, and print what is lost",
+    "import": "read a material that another program describes",
     "proof": "make one file of a design that others open in a browser, and check it",
     "experiment": "run, simulate and analyse the subjective evaluation",
     "bench": "chart speed against accuracy of every way to draw",
@@ -223,7 +226,8 @@ def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
     # Only the command in use is imported: start-up is part of every picture's time.
     for name, summary in COMMANDS.items():
         if name == words[0]:
-            importlib.import_module(f"relgloss_view.commands.{name}").add(commands)
+            module = f"{name}_" if keyword.iskeyword(name) else name  # `import` is no module's name
+            importlib.import_module(f"relgloss_view.commands.{module}").add(commands)
         else:
             commands.add_parser(name, help=summary)
     return parser

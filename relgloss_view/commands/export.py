@@ -1,0 +1,103 @@
+"""`relgloss export`: a material or a pack in the words of another program, with what is lost."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import warn
+from relgloss_view.base.writing import check_writable
+
+if TYPE_CHECKING:
+    from relgloss_view.material.material import Material
+    from relgloss_view.pack.pack import Pack
+
+
+def add(commands: Any) -> None:
+    """Declare the command."""
+    from relgloss_view.exchange.formats import endings
+    from relgloss_view.pack.built_in import FINISHES
+    from relgloss_view.picture.scene.sample import SAMPLES
+
+    parser = commands.add_parser(
+        "export",
+        description="Write a material or a pack for another program. The parameters of the other "
+        "program are fitted to the material's picture, because a renamed width shows another "
+        "highlight. The command prints what is lost, and the file holds it.",
+        epilog="example: relgloss export art-coated -o art.mtlx",
+    )
+    parser.add_argument(
+        "sample",
+        metavar="SAMPLE|MATERIAL.json|PACK",
+        help=f"Built-in paper ({', '.join(SAMPLES)}), built-in finish ({', '.join(FINISHES)}), "
+        "material file or pack file",
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE",
+        required=True,
+        help=f"File to write; its ending chooses the format: {endings()}",
+    )
+    parser.add_argument(
+        "--step",
+        metavar="DEG",
+        type=float,
+        help="Step of the directions of a table, in degrees (formats that hold tables)",
+    )
+    parser.add_argument("--json", action="store_true", help="Print what was written as JSON")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the file, then print what is lost."""
+    from relgloss_view.exchange.formats import ExportOptions, format_of
+
+    path = Path(args.output)
+    chosen = format_of(path)
+    check_writable(path)
+    what = sample_of(args.sample)
+    exported = chosen.write(what, path, ExportOptions(step_deg=args.step))
+    if args.json:
+        content = {
+            "output": args.output,
+            "format": chosen.name,
+            "lines": list(exported.lines),
+            "losses": {name: loss.as_json() for name, loss in exported.losses.items()},
+            "is_small": exported.is_small,
+        }
+        print(json.dumps(content))
+        return 0
+    for line in exported.lines:
+        print(printable(line, 400))
+    for name, loss in exported.losses.items():
+        if not loss.is_small:
+            warn(
+                f"{printable(name, 60)}: more is lost than the eye or a gloss meter overlooks; "
+                "compare the pictures before you use the file"
+            )
+    print(f"{printable(args.output)}: written as {chosen.name}")
+    return 0
+
+
+def sample_of(name: str) -> Material | Pack:
+    """The material or pack of an argument; InputError for what is neither."""
+    from relgloss_view.pack.built_in import FINISHES, PAPERS, load_finish
+    from relgloss_view.picture.scene import file_kinds
+    from relgloss_view.picture.scene.sample import Sample
+
+    if name in (*PAPERS, *FINISHES) and not Path(name).exists():
+        return load_finish(name)
+    kind = file_kinds.likely_kind(name)
+    if kind == file_kinds.MEASUREMENT:
+        raise InputError(
+            f"{printable(name)}: this is a measured table; fit it first with `relgloss fit`"
+        )
+    if kind == file_kinds.SCENE:
+        raise InputError(f"{printable(name)}: this is a scene; give a material or a pack")
+    sample = Sample.from_file(name)
+    return sample.material if sample.pack is None else sample.pack

@@ -1,0 +1,216 @@
+"""Refit: the parameters of another program's model that show a material's picture.
+
+A renamed width shows another highlight: GGX has longer tails than a Gaussian, and Smith's shadowing
+takes more at grazing angles than V-grooves do. So the parameters are searched for (search.py), for
+one lobe and for two, and the way that loses least is taken.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from relgloss_view.base.arrays import Array
+from relgloss_view.exchange import ggx
+from relgloss_view.exchange.loss import Loss, Surface
+from relgloss_view.exchange.openpbr import OpenPbr
+from relgloss_view.exchange.search import Family, Found, Unknown, nearest
+from relgloss_view.gloss.meter.meter import main_lobe
+from relgloss_view.material.material import Lobe, Material
+from relgloss_view.material.spectra import illuminant, xyz_weights
+from relgloss_view.measure.bands import RGB
+
+LAMP = "D65"
+COAT_INDEX = 1.5
+#: Index of a base below a coat of COAT_INDEX whose border reflects as glass in air does.
+BELOW_INDEX = COAT_INDEX * 1.5
+#: A second lobe is at least this share of the main one's roughness: a narrower one would gain gloss
+#: units by a mirror image of the lamp that no sample shows.
+NARROWEST = 0.6
+
+
+@dataclass(frozen=True)
+class Refit:
+    """A surface that stands for a material: the best of several ways, and the others' losses."""
+
+    surface: Surface
+    way: str  #: for people, such as 'specular and coat'
+    loss: Loss
+    others: tuple[Found, ...] = ()
+    notes: tuple[str, ...] = ()  #: what the model cannot hold, one sentence each
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The way that was taken, and what is lost, one line each."""
+        taken = f"fitted with {self.way}: {self.loss.words}"
+        passed = [f"not taken: {found.name}: {found.loss.words}" for found in self.others]
+        return (taken, *passed, *self.notes)
+
+
+def linear_rgb(spectrum: Array, material: Material) -> Array:
+    """Linear sRGB (3,) of a spectrum of a material's bands under D65; below 0 where sRGB lacks it.
+
+    >>> from relgloss_view import load_sample
+    >>> linear_rgb(np.ones(35), load_sample("uncoated")).round(3).tolist()
+    [1.0, 1.0, 1.0]
+    """
+    lamp = illuminant(LAMP)
+    xyz = np.asarray(spectrum) @ material.xyz_weights(lamp)
+    return np.asarray(np.linalg.solve(xyz_weights(RGB, lamp).T, xyz))
+
+
+def colour_notes(material: Material) -> tuple[str, ...]:
+    """What of a material's colour linear sRGB from 0 to 1 cannot hold."""
+    rgb = linear_rgb(np.asarray(material.diffuse.albedo), material)
+    notes = []
+    if np.min(rgb) < -1e-3:
+        notes.append(
+            f"the colour lies outside sRGB (linear {', '.join(f'{v:.3f}' for v in rgb)}); "
+            "what is below 0 is written as 0"
+        )
+    if np.max(rgb) > 1.0:
+        notes.append(
+            f"the albedo is above 1 (linear {', '.join(f'{v:.3f}' for v in rgb)}), as of a "
+            "fluorescent paper; it is written as 1"
+        )
+    return tuple(notes)
+
+
+def refit_openpbr(material: Material) -> Refit:
+    """The OpenPBR surface that shows a material's picture (OpenPBR 1.1, MaterialX 1.39).
+
+    >>> from relgloss_view import load_sample
+    >>> refit_openpbr(load_sample("uncoated")).loss.de2000_p95 < 3.0
+    True
+    """
+    return _refit(material, openpbr_families(material))
+
+
+def _refit(material: Material, families: tuple[Family, ...]) -> Refit:
+    best, *others = nearest(material, families)
+    return Refit(best.surface, best.name, best.loss, tuple(others), colour_notes(material))
+
+
+def openpbr_families(material: Material) -> tuple[Family, ...]:
+    """Ways of OpenPBR to show a material: one lobe or two, dielectric or metal."""
+    lobes = material.visible_lobes()
+    main = main_lobe(material)
+    if main is None:
+        return (_body_alone(material),)
+    narrow = material.specular[main]
+    rough = _roughness(narrow)
+    if narrow.is_metal:
+        return _metals(material, narrow, rough)
+    wide = next((_roughness(lobe) for lobe in lobes if lobe is not narrow), min(1.0, 2.0 * rough))
+    body = _body(material)
+    least = NARROWEST * rough
+    lobe = Unknown(rough, least, 1.0)
+    weight = Unknown(min(0.9, max(narrow.strength)), 0.0, 1.0)
+
+    def one(x: Array) -> OpenPbr:
+        return OpenPbr(
+            **_base(x),
+            specular_weight=float(x[4]),
+            specular_roughness=float(x[5]),
+            specular_ior=float(x[6]),
+        )
+
+    def two(x: Array) -> OpenPbr:
+        return OpenPbr(
+            **_base(x),
+            specular_weight=float(x[4]),
+            specular_roughness=float(x[5]),
+            specular_ior=BELOW_INDEX,
+            coat_weight=float(x[6]),
+            coat_roughness=float(x[7]),
+            coat_ior=float(x[8]),
+            coat_darkening=0.0,
+        )
+
+    index = Unknown(narrow.refractive_index, 1.05, 3.0)
+    coat = (Unknown(0.95, 0.0, 1.0), lobe, Unknown(COAT_INDEX, 1.05, 2.2))
+    below = (Unknown(0.1, 0.0, 1.0), Unknown(wide, least, 1.0))
+    weak_coat = (Unknown(0.1, 0.0, 1.0), Unknown(0.8 * rough, least, 1.0), coat[2])
+    return (
+        Family("specular alone", (*body, weight, lobe, index), one),
+        Family("coat above a wide specular lobe", (*body, *below, *coat), two),
+        Family("specular below a narrow coat", (*body, weight, lobe, *weak_coat), two),
+    )
+
+
+def _metals(material: Material, lobe: Lobe, rough: float) -> tuple[Family, ...]:
+    f0 = np.clip(linear_rgb(_spread(lobe.f0, material), material), 0.01, 0.99)
+    open_ones = (
+        *(Unknown(float(v), 0.0, 1.0) for v in f0),
+        Unknown(0.95, 0.0, 1.0),
+        Unknown(min(0.9, lobe.strength[0]), 0.0, 1.0),
+        Unknown(rough, NARROWEST * rough, 1.0),
+    )
+
+    def one(x: Array) -> OpenPbr:
+        return OpenPbr(
+            base_color=_colour(x),
+            base_metalness=float(x[3]),
+            specular_weight=float(x[4]),
+            specular_roughness=float(x[5]),
+        )
+
+    def two(x: Array) -> OpenPbr:
+        return OpenPbr(
+            base_color=_colour(x),
+            base_metalness=float(x[3]),
+            specular_weight=float(x[4]),
+            specular_roughness=float(x[5]),
+            coat_weight=float(x[6]),
+            coat_roughness=float(x[7]),
+            coat_ior=float(x[8]),
+            coat_darkening=0.0,
+        )
+
+    coat = (
+        Unknown(0.2, 0.0, 1.0),
+        Unknown(0.9 * rough, NARROWEST * rough, 1.0),
+        Unknown(1.6, 1.05, 3.0),
+    )
+    return (
+        Family("metal alone", open_ones, one),
+        Family("metal below a coat", (*open_ones, *coat), two),
+    )
+
+
+def _body_alone(material: Material) -> Family:
+    return Family(
+        "diffuse part alone",
+        _body(material),
+        lambda x: OpenPbr(**_base(x), specular_weight=0.0),
+    )
+
+
+def _body(material: Material) -> tuple[Unknown, ...]:
+    """The unknowns of the diffuse part: a colour, and EON's roughness."""
+    rgb = np.clip(linear_rgb(np.asarray(material.diffuse.albedo), material) / 0.95, 0.005, 0.99)
+    rough = {"lambert": 0.02, "eon": material.diffuse.sigma}.get(
+        material.diffuse.model, 1.5 * material.diffuse.sigma
+    )
+    return (*(Unknown(float(v), 0.0, 1.0) for v in rgb), Unknown(min(rough, 0.9), 0.0, 1.0))
+
+
+def _base(x: Array) -> dict[str, Any]:
+    return {"base_color": _colour(x), "base_diffuse_roughness": float(x[3])}
+
+
+def _colour(x: Array) -> tuple[float, float, float]:
+    red, green, blue = (float(v) for v in x[:3])
+    return red, green, blue
+
+
+def _roughness(lobe: Lobe) -> float:
+    """Roughness of GGX facets that are about as wide: alpha a little below sqrt(2) s."""
+    return min(max(math.sqrt(1.2 * lobe.s), math.sqrt(ggx.LEAST_ALPHA)), 1.0)
+
+
+def _spread(values: tuple[float, ...] | None, material: Material) -> Array:
+    return np.broadcast_to(np.asarray(values or (1.0,)), (material.bands.count,))

@@ -1,0 +1,116 @@
+"""The way back: a material of our lobes that shows the picture of another program's surface."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from relgloss_view.base.arrays import Array
+from relgloss_view.exchange.loss import Loss, Surface
+from relgloss_view.exchange.search import Family, Unknown, nearest
+from relgloss_view.material.described import DescribedRecord
+from relgloss_view.material.material import (
+    S_DEG_DRAWN,
+    S_DEG_MAX,
+    SIGMA_DEG_MAX,
+    Diffuse,
+    Lobe,
+    Material,
+)
+from relgloss_view.measure.bands import RGB
+
+#: Width of a Gaussian over alpha of GGX facets that look about as wide.
+S_PER_ALPHA = 1.0 / 1.2
+LARGEST_STRENGTH = 30.0
+
+
+def refit_lobes(
+    surface: Surface,
+    *,
+    name: str,
+    source: str,
+    model: str,
+    parameters: dict[str, Any],
+    colour: Sequence[float],
+    alphas: Sequence[float],
+    f0: Sequence[float] | None = None,
+    index: float = 1.5,
+    not_carried: tuple[str, ...] = (),
+) -> Material:
+    """A described material in linear sRGB that shows a surface's picture.
+
+    model, parameters, not_carried: for the DescribedRecord. colour: linear sRGB of the diffuse
+    part, to start from. alphas: GGX widths of the lobes, the main one first; f0: of a metal, index:
+    of a dielectric.
+    """
+    widths = [_width_deg(alpha) for alpha in alphas] or [10.0]
+    families = _families(name, source, colour, widths, f0, index)
+    best, *_ = nearest(surface, families)
+    material = best.surface
+    assert isinstance(material, Material)
+    record = DescribedRecord(model, dict(parameters), not_carried, losses_of(best.loss))
+    return _with_record(material, record)
+
+
+def losses_of(loss: Loss) -> dict[str, float]:
+    """A loss as a DescribedRecord holds it: differences by name."""
+    units = {key: b - a for key, (a, b) in loss.gloss_units.items()}
+    return {"de2000_p95": loss.de2000_p95, "de2000_max": loss.de2000_max, **units}
+
+
+def _with_record(material: Material, record: DescribedRecord) -> Material:
+    return Material(
+        material.name,
+        material.source,
+        material.bands,
+        material.diffuse,
+        material.specular,
+        described=record,
+    )
+
+
+def _families(
+    name: str,
+    source: str,
+    colour: Sequence[float],
+    widths: list[float],
+    f0: Sequence[float] | None,
+    index: float,
+) -> tuple[Family, ...]:
+    low, high = S_DEG_DRAWN, S_DEG_MAX
+    body = (
+        *(Unknown(min(max(v, 0.005), 0.99), 0.0, 1.0) for v in colour),
+        Unknown(5.0, 0.0, SIGMA_DEG_MAX),
+    )
+    main = Unknown(math.log(widths[0]), math.log(low), math.log(high))
+    wide_deg = widths[1] if len(widths) > 1 else min(2.5 * widths[0], 0.9 * high)
+    wide = Unknown(math.log(wide_deg), math.log(low), math.log(high))
+    strength = Unknown(1.0, 0.0, LARGEST_STRENGTH)
+    weak = Unknown(0.2, 0.0, LARGEST_STRENGTH)
+    if f0 is None:
+        own: tuple[Unknown, ...] = (Unknown(min(max(index, 1.05), 3.5), 1.01, 4.0),)
+    else:
+        own = tuple(Unknown(min(max(v, 0.01), 0.99), 0.0, 1.0) for v in f0)
+
+    def make(x: Array) -> Material:
+        diffuse = Diffuse("eon", tuple(float(v) for v in x[:3]), float(x[3]))
+        count = len(body) + len(own)
+        kind = x[len(body) : count]
+        lobes = []
+        for k in range(count, len(x), 2):
+            s_deg = min(max(float(np.exp(x[k])), low), high)
+            if f0 is None:
+                lobes.append(Lobe((float(x[k + 1]),), s_deg, float(kind[0])))
+            else:
+                lobes.append(Lobe((float(x[k + 1]),), s_deg, f0=tuple(float(v) for v in kind)))
+        return Material(name, source, RGB, diffuse, tuple(lobes))
+
+    one = (*body, *own, main, strength)
+    return (Family("one lobe", one, make), Family("two lobes", (*one, wide, weak), make))
+
+
+def _width_deg(alpha: float) -> float:
+    return min(max(math.degrees(S_PER_ALPHA * alpha), 2.0 * S_DEG_DRAWN), 0.95 * S_DEG_MAX)
