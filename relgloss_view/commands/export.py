@@ -49,6 +49,18 @@ def add(commands: Any) -> None:
         type=float,
         help="Step of the directions of a table, in degrees (formats that hold tables)",
     )
+    parser.add_argument(
+        "--grid",
+        metavar="GRID",
+        help="Directions of a CSV: gcms (the goniophotometer's 997), in-plane, in-plane:STEP in "
+        "degrees, or a CSV file of your own directions",
+    )
+    parser.add_argument(
+        "--basis",
+        choices=("tensor-tree", "klems"),
+        help="Directions of a BSDF XML: tensor-tree (Radiance, keeps the gloss; the default) or "
+        "klems (WINDOW, loses it)",
+    )
     parser.add_argument("--json", action="store_true", help="Print what was written as JSON")
     parser.set_defaults(run=run)
 
@@ -61,7 +73,7 @@ def run(args: argparse.Namespace) -> int:
     chosen = format_of(path)
     check_writable(path)
     what = sample_of(args.sample)
-    exported = chosen.write(what, path, ExportOptions(step_deg=args.step))
+    exported = chosen.write(what, path, ExportOptions(args.step, grid=args.grid, basis=args.basis))
     if args.json:
         content = {
             "output": args.output,

@@ -25,11 +25,14 @@ class ExportOptions:
     """What a user asks for beside the format; a writer ignores what it has no use for.
 
     step_deg: of grids and tables, degrees; None for the format's own. illuminant: the lamp under
-    which RGB values are formed.
+    which RGB values are formed. grid: of CSV tables, `gcms`, `in-plane`, `in-plane:STEP` or a file
+    of directions. basis: of BSDF XML, `tensor-tree` or `klems`.
     """
 
     step_deg: float | None = None
     illuminant: str = "D65"
+    grid: str | None = None
+    basis: str | None = None
 
 
 @dataclass(frozen=True)
@@ -89,6 +92,9 @@ class ReadFormat(NamedTuple):
 #: What is written, by the ending of the file's name.
 FORMATS: dict[str, Format] = {
     ".mtlx": Format("MaterialX (OpenPBR surface)", "materialx:write", takes_packs=True),
+    ".binary": Format("MERL binary", "merl:write"),
+    ".csv": Format("CSV of directions and values", "csv_out:write"),
+    ".xml": Format("BSDF XML (Radiance, WINDOW)", "bsdf_xml:write"),
 }
 #: What is read, by its beginning.
 READERS: tuple[ReadFormat, ...] = (
