@@ -68,9 +68,7 @@ def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported
     )
     lines.append(",".join([*grid.columns, *heads]))
     for angles, row in zip(grid.angles_deg, values, strict=True):
-        lines.append(
-            ",".join([*(f"{x:.8g}" for x in angles), *(f"{x:.{DIGITS}g}" for x in row)])
-        )
+        lines.append(",".join([*(f"{x:.8g}" for x in angles), *(f"{x:.{DIGITS}g}" for x in row)]))
     with whole_file(path) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
     carried = (
@@ -169,9 +167,7 @@ def _own(path: Path) -> Grid:
             "file of directions"
         )
     rows = read_csv(path)
-    lines = [
-        (k, row) for k, row in enumerate(rows, 1) if any(row) and not row[0].startswith("#")
-    ]
+    lines = [(k, row) for k, row in enumerate(rows, 1) if any(row) and not row[0].startswith("#")]
     heads = [name.strip().lower() for name in lines[0][1]] if lines else []
     for known in (gcms.COLUMNS, generic.COLUMNS):
         if set(known) <= set(heads):
