@@ -21,7 +21,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.version import PROGRAM
 from relgloss_view.base.writing import whole_file
-from relgloss_view.exchange.channels import LAMP, TableSurface, in_xyz
+from relgloss_view.exchange.channels import LAMP, TableSurface, in_xyz, metal_notes
 from relgloss_view.exchange.formats import Exported, ExportOptions
 from relgloss_view.exchange.grow import Grown, collapsed, grow
 from relgloss_view.exchange.judge import compare
@@ -78,7 +78,7 @@ def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported
             f"--basis {printable(basis, 20)}: expected {TREE} (Radiance) or {KLEMS} (WINDOW)"
         )
     loss = compare(what, surface)
-    lines = (*lines, f"in the file: {loss.words}")
+    lines = (*lines, *metal_notes(what), f"in the file: {loss.words}")
     head = _HEAD.format(
         comment="".join(f"<!-- {_comment(line)} -->\n" for line in (f"{PROGRAM}", *lines)),
         name=escape(_plain(what.name)),

@@ -60,6 +60,15 @@ def in_xyz(material: Material) -> Folded:
     return Folded(material, material.xyz_weights(illuminant(LAMP)))
 
 
+def metal_notes(material: Material) -> tuple[str, ...]:
+    """How a table of a metal comes back: a fit finds the metal where it is asked to."""
+    if not any(lobe.is_metal for lobe in material.visible_lobes()):
+        return ()
+    return (
+        "to read it back: relgloss fit --model metal, since a table does not state what is a metal",
+    )
+
+
 @dataclass(frozen=True)
 class TableSurface(Surface):
     """The surface of a table, of which the judge needs the sum of both parts alone.

@@ -17,6 +17,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.version import PROGRAM
 from relgloss_view.base.writing import whole_file
+from relgloss_view.exchange.channels import metal_notes
 from relgloss_view.exchange.formats import Exported, ExportOptions
 from relgloss_view.material.material import Material
 from relgloss_view.measure.gonio import GAMMA_S_DEG, gcms4_grid, gcms_directions, spherical
@@ -50,7 +51,7 @@ def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported
     grid = grid_of(what, options.grid or GCMS, options.step_deg)
     diffuse, specular = what.evaluate(grid.to_lamp, grid.to_receiver)
     values = np.pi * (diffuse + specular)
-    notes = _notes(what, grid)
+    notes = (*_notes(what, grid), *metal_notes(what))
     facts = {
         "name": what.name,
         "source": f"synthetic (computed by {PROGRAM} from a model, not measured); "
@@ -184,7 +185,7 @@ def _own(path: Path) -> Grid:
         grid = _generic(angles)
     else:
         grid = Grid(tuple(known), angles, *gcms_directions(*angles.T))
-    if not np.any((grid.to_lamp[:, 2] > 0.0) & (grid.to_receiver[:, 2] > 0.0)):
+    if not np.any(np.minimum(grid.to_lamp[:, 2], grid.to_receiver[:, 2]) > 1e-6):
         raise InputError(f"{path}: no direction lies above the horizon")
     return grid
 

@@ -80,6 +80,7 @@ def _grown(brdf: Function, deepest: int, most_leaves: int, coarser: float) -> Gr
     places = _corners(codes, FIRST_LEVEL)
     # Upper halves of the first dimension have no incidence.
     dead = places[:, 0] >= 0.5
+    kept: list[tuple[Ints, int, Array | None]]
     kept = [(codes[dead] << (RANK * (DEEPEST[RANK] - FIRST_LEVEL)), FIRST_LEVEL, None)]
     codes = codes[~dead]
     level, count = FIRST_LEVEL, int(np.sum(dead))

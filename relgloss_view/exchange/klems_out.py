@@ -8,6 +8,7 @@ is counted in the patch that it falls into; so the energy is right (Klems 1994).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from relgloss_view.material import brdf
 from relgloss_view.material.material import Material
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.measure.gonio import spherical
-from relgloss_view.measure.readers.klems import Basis, known_bases
+from relgloss_view.measure.readers.klems import Basis, Ring, known_bases
 from relgloss_view.measure.readers.tristimulus import SRGB_FROM_XYZ
 
 BASIS_NAME = "LBNL/Klems Full"
@@ -42,16 +43,23 @@ class Patches:
         weights = material.xyz_weights(illuminant(LAMP))
         size = basis.count
         total = np.zeros((3, size, size))
-        theta, phi, share = _places(basis)  # (P, K) each
-        out = spherical(theta, phi)  # (P, K, 3)
+        out = _places(basis)
         projected = _projected(basis)
-        for patch in range(size):
-            # Azimuths of incidence are those of where the light goes.
-            for k in range(theta.shape[1]):
-                i = spherical(theta[patch, k], phi[patch, k] + 180.0)
-                own = share[patch, k]
-                total[:, :, patch] += own * _diffuse(material, i, out, share, weights)
-                total[:, :, patch] += own * _lobes(material, i, basis, weights) / projected
+        first = 0
+        for ring in basis.rings:
+            for theta in _polar(ring):
+                light = _lobes(material, theta, weights)
+                for k in range(ring.count):
+                    azimuth = 360.0 / ring.count * k
+                    diffuse = _diffuse(material, theta, azimuth, out, weights)
+                    shine = np.zeros_like(diffuse)
+                    for part in (np.arange(SUB) + 0.5) / SUB - 0.5:
+                        turned = light.phi_deg + azimuth + 360.0 / ring.count * part
+                        patch = _patch_at(basis, light.theta_deg, turned)
+                        for flux, xyz in light.parts:
+                            shine += np.outer(xyz, np.bincount(patch, flux, size))
+                    total[:, :, first + k] += (diffuse + shine / SUB / projected) / SUB
+            first += ring.count
         return cls(basis, 0.5 * (total + np.swapaxes(total, 1, 2)))
 
     def blocks(self) -> list[str]:
@@ -64,14 +72,14 @@ class Patches:
 
     def definition(self) -> str:
         """The AngleBasis of a file."""
-        parts = [f"<AngleBasis>\n<AngleBasisName>{self.basis.name}</AngleBasisName>\n"]
-        for ring in self.basis.rings:
-            parts.append(
-                f"<AngleBasisBlock>\n<Theta>{ring.centre:g}</Theta>\n<nPhis>{ring.count}</nPhis>\n"
-                f"<ThetaBounds>\n<LowerTheta>{ring.lower:g}</LowerTheta>\n"
-                f"<UpperTheta>{ring.upper:g}</UpperTheta>\n</ThetaBounds>\n</AngleBasisBlock>\n"
-            )
-        return "".join(parts) + "</AngleBasis>\n"
+        rings = [
+            f"<AngleBasisBlock>\n<Theta>{ring.centre:g}</Theta>\n<nPhis>{ring.count}</nPhis>\n"
+            f"<ThetaBounds>\n<LowerTheta>{ring.lower:g}</LowerTheta>\n"
+            f"<UpperTheta>{ring.upper:g}</UpperTheta>\n</ThetaBounds>\n</AngleBasisBlock>\n"
+            for ring in self.basis.rings
+        ]
+        name = f"<AngleBasisName>{self.basis.name}</AngleBasisName>\n"
+        return f"<AngleBasis>\n{name}{''.join(rings)}</AngleBasis>\n"
 
     def surface(self) -> TableSurface:
         """The matrix as a surface: the value of the patches that hold the directions."""
@@ -93,21 +101,25 @@ class Patches:
         )
 
 
-def _places(basis: Basis) -> tuple[Array, Array, Array]:
-    """Places of each patch, evenly spread in projected solid angle: theta, phi (degrees) and the
-    share of the patch, (P, K) each.
-    """
+def _polar(ring: Ring) -> Array:
+    """Polar angles of a ring, (SUB,) degrees, evenly spread in projected solid angle."""
+    low, high = (np.sin(np.radians(angle)) ** 2 for angle in (ring.lower, ring.upper))
     part = (np.arange(SUB) + 0.5) / SUB
-    theta, phi = [], []
-    for ring in basis.rings:
-        low, high = (np.sin(np.radians(angle)) ** 2 for angle in (ring.lower, ring.upper))
-        polar = np.degrees(np.arcsin(np.sqrt(low + (high - low) * part)))
-        for k in range(ring.count):
-            azimuth = 360.0 / ring.count * (k + part - 0.5)
-            theta.append(np.repeat(polar, SUB))
-            phi.append(np.tile(azimuth, SUB))
-    theta_all, phi_all = np.array(theta), np.array(phi)
-    return theta_all, phi_all, np.full_like(theta_all, 1.0 / SUB**2)
+    return np.asarray(np.degrees(np.arcsin(np.sqrt(low + (high - low) * part))))
+
+
+def _places(basis: Basis) -> Array:
+    """Unit vectors (P, SUB^2, 3) of each patch, evenly spread in projected solid angle."""
+    part = (np.arange(SUB) + 0.5) / SUB
+    return np.array(
+        [
+            spherical(
+                np.repeat(_polar(ring), SUB), np.tile(360.0 / ring.count * (k + part - 0.5), SUB)
+            )
+            for ring in basis.rings
+            for k in range(ring.count)
+        ]
+    )
 
 
 def _projected(basis: Basis) -> Array:
@@ -125,54 +137,87 @@ def _projected(basis: Basis) -> Array:
     )
 
 
-def _diffuse(material: Material, i: Array, out: Array, share: Array, weights: Array) -> Array:
-    """XYZ (3, P) of the diffuse part's mean over each outgoing patch."""
-    normal = np.broadcast_to(np.array([0.0, 0.0, 1.0]), out.shape)
-    f = brdf.facing(normal, np.broadcast_to(i, out.shape), out)
+def _diffuse(
+    material: Material, theta_deg: float, azimuth_deg: float, out: Array, weights: Array
+) -> Array:
+    """XYZ (3, P) of the diffuse part's mean over each outgoing patch.
+
+    azimuth_deg: of where the light goes.
+    """
+    i = spherical(theta_deg, azimuth_deg + 180.0)
+    t = out[..., 0] * i[0] + out[..., 1] * i[1]
+    unread = np.zeros(())
+    f = brdf.Facing(np.full(t.shape, i[2]), out[..., 2], t, unread, unread)
     body = material.diffuse
     first, second = (
-        np.sum(share * shape, axis=1) for shape in brdf.diffuse_shapes(body.model, f, body.sigma)
+        np.mean(shape, axis=1) for shape in brdf.diffuse_shapes(body.model, f, body.sigma)
     )
     return np.outer(np.asarray(body.albedo) @ weights, first) + np.outer(
         material.second_albedo() @ weights, second
     )
 
 
-def _lobes(material: Material, i: Array, basis: Basis, weights: Array) -> Array:
-    """XYZ (3, P) of the light that the lobes send into each patch."""
-    total = np.zeros((3, basis.count))
+class _Light(NamedTuple):
+    """Light of the lobes in N directions, for incidence at azimuth 180 (towards azimuth 0)."""
+
+    theta_deg: Array  #: (N,)
+    phi_deg: Array
+    parts: tuple[tuple[Array, Array], ...]  #: of each lobe: flux (N,) and its XYZ (3,)
+
+
+def _lobes(material: Material, theta_deg: float, weights: Array) -> _Light:
+    """The light that the lobes send, at nodes over their half-vectors: dw_o = 4 (i.h) dw_h."""
+    i = spherical(theta_deg, 180.0)
     node, node_weight = np.polynomial.legendre.leggauss(LOBE_NODES)
     phi = (np.arange(2 * LOBE_NODES) + 0.5) * np.pi / LOBE_NODES
-    for lobe in material.visible_lobes():
+    directions, parts = [], []
+    lobes = material.visible_lobes()
+    for lobe in lobes:
         reach = min(REACH_SD * lobe.s, 0.5 * np.pi)
-        delta = 0.5 * reach * (node + 1.0)
-        sin = np.sin(delta)[:, None]
+        delta = np.repeat(0.5 * reach * (node + 1.0), len(phi))
+        turn = np.tile(phi, LOBE_NODES)
         h = np.stack(
-            [sin * np.cos(phi), sin * np.sin(phi), np.cos(delta)[:, None] + 0.0 * phi], axis=-1
-        ).reshape(-1, 3)
-        area = np.repeat(0.5 * reach * node_weight * np.sin(delta) * np.pi / LOBE_NODES, len(phi))
-        ih = h @ i
+            [np.sin(delta) * np.cos(turn), np.sin(delta) * np.sin(turn), np.cos(delta)], axis=-1
+        )
+        area = 0.5 * reach * np.repeat(node_weight, len(phi)) * np.sin(delta) * np.pi / LOBE_NODES
+        ih = np.maximum(h @ i, 0.0)
         o = 2.0 * ih[:, None] * h - i
-        kept = (ih > 0.0) & (o[:, 2] > 0.0)
-        o, h, ih, area = o[kept], h[kept], ih[kept], area[kept]
-        delta2 = np.arccos(np.clip(h[:, 2], -1.0, 1.0)) ** 2
-        f = brdf.Facing(np.full(len(o), i[2]), o[:, 2], np.zeros(len(o)), ih, delta2)
-        patch = _patch_of(basis, o, o[:, 2])
-        for part in lobe.parts(material.bands.count):
-            flux = brdf.torrance_sparrow(f, lobe.s, part.fresnel) * o[:, 2] * 4.0 * ih * area
-            total += np.outer(part.spectrum @ weights, np.bincount(patch, flux, basis.count))
-    return total
+        f = brdf.Facing(np.full(len(o), i[2]), o[:, 2], np.zeros(len(o)), ih, delta * delta)
+        cos = np.maximum(o[:, 2], 0.0)
+        directions.append(o)
+        parts.append(
+            [
+                (brdf.torrance_sparrow(f, lobe.s, p.fresnel) * cos * 4.0 * ih * area, p.spectrum)
+                for p in lobe.parts(material.bands.count)
+            ]
+        )
+    if not lobes:
+        return _Light(np.zeros(0), np.zeros(0), ())
+    o = np.concatenate(directions)
+    sizes = np.cumsum([0, *(len(each) for each in directions)])
+    fluxes = []
+    for k, each in enumerate(parts):
+        for flux, spectrum in each:
+            padded = np.zeros(len(o))
+            padded[sizes[k] : sizes[k + 1]] = flux
+            fluxes.append((padded, spectrum @ weights))
+    theta = np.degrees(np.arccos(np.clip(o[:, 2], 0.0, 1.0)))
+    return _Light(theta, np.degrees(np.arctan2(o[:, 1], o[:, 0])), tuple(fluxes))
 
 
 def _patch_of(basis: Basis, across: Array, cos: Array) -> Ints:
     """The patch (M,) of directions: their components across the normal, and their cosine."""
     theta = np.degrees(np.arccos(np.clip(cos, 0.0, 1.0)))
-    phi = np.degrees(np.arctan2(across[:, 1], across[:, 0])) % 360.0
+    return _patch_at(basis, theta, np.degrees(np.arctan2(across[:, 1], across[:, 0])))
+
+
+def _patch_at(basis: Basis, theta_deg: Array, phi_deg: Array) -> Ints:
+    """The patch (M,) at polar angles and azimuths, degrees."""
     uppers = np.array([ring.upper for ring in basis.rings])
     counts = np.array([ring.count for ring in basis.rings])
-    ring = np.clip(np.searchsorted(uppers, theta, side="right"), 0, len(uppers) - 1)
+    ring = np.clip(np.searchsorted(uppers, theta_deg, side="right"), 0, len(uppers) - 1)
     first = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    step = np.floor(phi / 360.0 * counts[ring] + 0.5).astype(np.intp) % counts[ring]
+    step = np.floor(phi_deg / 360.0 * counts[ring] + 0.5).astype(np.intp) % counts[ring]
     return np.asarray(first[ring] + step)
 
 

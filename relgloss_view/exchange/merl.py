@@ -14,7 +14,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.writing import whole_file
-from relgloss_view.exchange.channels import TableSurface, in_rgb
+from relgloss_view.exchange.channels import TableSurface, in_rgb, metal_notes
 from relgloss_view.exchange.formats import Exported, ExportOptions
 from relgloss_view.exchange.judge import compare
 from relgloss_view.exchange.refit import colour_notes
@@ -35,10 +35,11 @@ def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported
         file.write(HEADER)
         file.write(np.ascontiguousarray(table.bins, dtype="<f8").tobytes())
     lines = (
-        "carried: the BRDF in linear sRGB at the middle of 90 x 90 x 180 bins (Matusik et al. 2003)",
-        "lost: the spectrum, the model and the evidence of the fit; the format has no room for words",
+        "carried: the BRDF in linear sRGB at the middles of 90 x 90 x 180 bins",
+        "lost: the spectrum, the model and the evidence of the fit; the format holds no words",
         *(f"lost: {note}" for note in colour_notes(what)),
-        f"in the table: {loss.words}",
+        *metal_notes(what),
+        f"in the file: {loss.words}",
     )
     return Exported(lines, {what.name: loss})
 

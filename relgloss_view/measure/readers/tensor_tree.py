@@ -73,13 +73,13 @@ class Tree:
 
     def text(self, digits: int = 4) -> str:
         """The tree as files hold it. Eight leaves of one parent share their braces."""
-        children = 2**self.rank
+        children = 1 << self.rank
         parts: list[str] = []
         words = [f"{value:.{digits}g}" for value in self.values.tolist()]
         order = _grid_order(self.rank, 1)
 
         def put(level: int, leaf: int) -> int:
-            own = self.levels[leaf]
+            own = int(self.levels[leaf])
             if own == level:
                 parts.append("{" + words[leaf] + "}")
                 return leaf + 1
@@ -121,8 +121,7 @@ def read_tree(text: str, rank: int, where: str) -> Tree:
     values: list[Array] = []
     count = 0
     ended = False
-    tokens = _tokens(text)
-    for token in tokens:
+    for token in _tokens(text):
         if ended:
             raise InputError(f"{where}: {printable(token, 20)!r} after the end of the tensor tree")
         if token == "{":
@@ -155,8 +154,8 @@ def read_tree(text: str, rank: int, where: str) -> Tree:
         level = len(open_children) - 1 + halvings
         if len(grid) != children**halvings:
             raise InputError(
-                f"{where}: a grid of {len(grid)} numbers in the tensor tree; expected 1, {children},"
-                f" {children**2} or another power of {children}"
+                f"{where}: a grid of {len(grid)} numbers in the tensor tree; expected 1, "
+                f"{children}, {children**2} or another power of {children}"
             )
         if level > DEEPEST[rank]:
             raise InputError(f"{where}: the tensor tree is nested more than {DEEPEST[rank]} deep")
@@ -179,9 +178,7 @@ def read_tree(text: str, rank: int, where: str) -> Tree:
 def _tokens(text: str) -> Iterator[str]:
     for match in _TOKENS.finditer(text):
         token = match[0]
-        if token in "{}":
-            yield token
-        elif token.strip(" \t\r\n,"):
+        if token in "{}" or token.strip(" \t\r\n,"):
             yield token
 
 

@@ -7,7 +7,6 @@ at their middles.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
@@ -89,10 +88,11 @@ def tree_readings(structure: str, blocks: dict[str, Element], place: str) -> Rea
             "read, and a material here is the same in all"
         )
     sd = _cell_sd_deg(luminance, to_lamp, to_receiver)
+    finest, resolved = 2.0 * luminance.smallest, 0.5 * float(np.hypot(sd, sd))
     notes.append(
-        f"each value is an average over a cell of a tensor tree (down to {2 * luminance.smallest:.2g}"
-        f" in the sine of the angle): a highlight narrower than {0.5 * np.hypot(sd, sd):.2g} deg of "
-        "the half-vector is not resolved"
+        f"each value is an average over a cell of a tensor tree (down to {finest:.2g} in the sine "
+        f"of the angle): a highlight narrower than {resolved:.2g} deg of the half-vector is not "
+        "resolved"
     )
     return Readings(to_lamp, to_receiver, group, bands, channels, sd, tuple(notes))
 
