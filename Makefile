@@ -74,10 +74,11 @@ $(VENV)/.runtime: pyproject.toml requirements/runtime.txt
 	$(BIN)/python -m pip install -q --no-deps --no-build-isolation -e .
 	touch $@
 
-$(VENV)/.development: $(VENV)/.runtime requirements/development.txt
+$(VENV)/.development: $(VENV)/.runtime requirements/development.txt requirements/gltf-validator/package-lock.json
 	PYTHON="$(PYTHON)" scripts/system-packages test
 	$(BIN)/python -m pip install -q $(LOCKED) -r requirements/development.txt
+	npm ci --prefix requirements/gltf-validator --ignore-scripts --no-audit --no-fund --loglevel=error
 	touch $@
 
 clean:
-	rm -rf $(VENV) out build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf $(VENV) requirements/gltf-validator/node_modules out build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -16,11 +16,15 @@ if TYPE_CHECKING:
     from relgloss_view.material.material import Material
     from relgloss_view.pack.pack import Pack
 
+MOST_PX, LEAST_PX, LARGEST_PX = 4096, 16, 16384  #: of a texture: the default, and the range
+LEAST_STEP_DEG, LARGEST_STEP_DEG = 0.1, 45.0
+
 
 def add(commands: Any) -> None:
     """Declare the command."""
     from relgloss_view.exchange.formats import endings
     from relgloss_view.pack.built_in import FINISHES
+    from relgloss_view.pack.shape import SHAPES
     from relgloss_view.picture.scene.sample import SAMPLES
 
     parser = commands.add_parser(
@@ -61,6 +65,20 @@ def add(commands: Any) -> None:
         help="Directions of a BSDF XML: tensor-tree (Radiance, keeps the gloss; the default) or "
         "klems (WINDOW, loses it)",
     )
+    parser.add_argument(
+        "--form",
+        metavar="FORM",
+        choices=[form for form in SHAPES if form != "mesh"],
+        help="Form that a material is put on, where the format holds forms: "
+        f"{', '.join(form for form in SHAPES if form != 'mesh')}",
+    )
+    parser.add_argument(
+        "--pixels",
+        metavar="N",
+        type=int,
+        default=MOST_PX,
+        help=f"Longest side of a texture, in pixels (default {MOST_PX})",
+    )
     parser.add_argument("--json", action="store_true", help="Print what was written as JSON")
     parser.set_defaults(run=run)
 
@@ -68,12 +86,26 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the file, then print what is lost."""
     from relgloss_view.exchange.formats import ExportOptions, format_of
+    from relgloss_view.pack.shape import Shape
 
+    if not LEAST_PX <= args.pixels <= LARGEST_PX:
+        raise InputError(f"--pixels {args.pixels}: expected {LEAST_PX} to {LARGEST_PX}")
+    if args.step is not None and not LEAST_STEP_DEG <= args.step <= LARGEST_STEP_DEG:
+        raise InputError(
+            f"--step {args.step:g}: expected {LEAST_STEP_DEG:g} to {LARGEST_STEP_DEG:g} degrees"
+        )
     path = Path(args.output)
     chosen = format_of(path)
     check_writable(path)
     what = sample_of(args.sample)
-    exported = chosen.write(what, path, ExportOptions(args.step, grid=args.grid, basis=args.basis))
+    options = ExportOptions(
+        step_deg=args.step,
+        grid=args.grid,
+        basis=args.basis,
+        shape=Shape(args.form) if args.form else None,
+        most_px=args.pixels,
+    )
+    exported = chosen.write(what, path, options)
     if args.json:
         content = {
             "output": args.output,

@@ -16,6 +16,7 @@ from relgloss_view.base.reading import named, printable, read_beginning
 from relgloss_view.exchange.loss import Loss
 from relgloss_view.material.material import Material
 from relgloss_view.pack.pack import Pack
+from relgloss_view.pack.shape import Shape
 
 HEAD_BYTES = 4096  #: by which a file's format is recognised
 
@@ -24,13 +25,15 @@ HEAD_BYTES = 4096  #: by which a file's format is recognised
 class ExportOptions:
     """What a user asks for beside the format; a writer ignores what it has no use for.
 
-    step_deg: of grids and tables, degrees; None for the format's own. illuminant: the lamp under
-    which RGB values are formed. grid: of CSV tables, `gcms`, `in-plane`, `in-plane:STEP` or a file
-    of directions. basis: of BSDF XML, `tensor-tree` or `klems`.
+    step_deg: of grids and tables, degrees; None for the format's own. shape: the form of a plain
+    material, where the format holds one. most_px: the longest side of textures, pixels. grid: of
+    CSV tables, `gcms`, `in-plane`, `in-plane:STEP` or a file of directions. basis: of BSDF XML,
+    `tensor-tree` or `klems`.
     """
 
     step_deg: float | None = None
-    illuminant: str = "D65"
+    shape: Shape | None = None
+    most_px: int = 4096
     grid: str | None = None
     basis: str | None = None
 
@@ -89,9 +92,17 @@ class ReadFormat(NamedTuple):
         return read(path, part)
 
 
+def _is_gltf(head: bytes) -> bool:
+    """Whether a file begins as glTF: as a .glb, or as JSON with one of glTF's words."""
+    words = (b'"asset"', b'"accessors"', b'"bufferViews"', b'"extensionsUsed"', b'"materials"')
+    is_object = head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{")
+    return head.startswith(b"glTF") or (is_object and any(word in head for word in words))
+
+
 #: What is written, by the ending of the file's name.
 FORMATS: dict[str, Format] = {
     ".mtlx": Format("MaterialX (OpenPBR surface)", "materialx:write", takes_packs=True),
+    ".glb": Format("glTF 2.0", "gltf:write", takes_packs=True),
     ".binary": Format("MERL binary", "merl:write"),
     ".csv": Format("CSV of directions and values", "csv_out:write"),
     ".xml": Format("BSDF XML (Radiance, WINDOW)", "bsdf_xml:write"),
@@ -99,6 +110,7 @@ FORMATS: dict[str, Format] = {
 #: What is read, by its beginning.
 READERS: tuple[ReadFormat, ...] = (
     ReadFormat("MaterialX", lambda head: b"<materialx" in head, "materialx_reading:read"),
+    ReadFormat("glTF 2.0", _is_gltf, "gltf_reading:read_gltf"),
 )
 
 

@@ -1,10 +1,9 @@
 """Judge: what two surfaces differ by in the paper's picture, without OpenGL.
 
-The picture is that of the paper's cylinder and lamp, as an sRGB display shows it. Programs that
-draw RGB have a lamp that is white in sRGB, so both surfaces are seen under D65, and colours that
-sRGB lacks are brought inside as in every picture here (tone.display_rgb). Points are spread as the
-pixels of a picture of 512 columns are; rows are fewer, since a cylinder's highlight hardly changes
-along its axis.
+The picture is that of the paper's cylinder and lamp, in Lab after the split and the scaling, before
+a display's gamut: what fits and proxies are judged by too. Programs that draw RGB have a lamp that
+is white in sRGB, so both surfaces are seen under D65. Points are spread as the pixels of a picture
+of 512 columns are; rows are fewer, since a cylinder's highlight hardly changes along its axis.
 """
 
 from __future__ import annotations
@@ -15,8 +14,6 @@ from typing import NamedTuple
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
-from relgloss_view.display.display import Display
-from relgloss_view.display.model import DisplayModel
 from relgloss_view.exchange.loss import Loss, Surface
 from relgloss_view.exchange.metered import gloss_units
 from relgloss_view.material import brdf, cielab
@@ -24,7 +21,7 @@ from relgloss_view.material.difference import delta_e_2000
 from relgloss_view.material.material import Material
 from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.measure.bands import RGB
-from relgloss_view.picture.model import lights, tone
+from relgloss_view.picture.model import lights
 from relgloss_view.picture.model.sight import sight
 from relgloss_view.picture.model.view import view_of
 from relgloss_view.picture.scene.setup import Lamp, Setup
@@ -99,18 +96,10 @@ def picture_of(own: Seen) -> Picture:
 
 
 def scaled(picture: Picture, other: Seen) -> Array:
-    """Lab (P, 3) that the display shows, split and scaled with a picture's diffuse part and c."""
+    """Lab (P, 3) of a surface, split and scaled with the diffuse part and the c of a picture."""
     lab = cielab.lab_from_xyz(other.diffuse + other.specular, illuminant(LAMP).white_xyz())
     lab[:, 0] = picture.l_d + picture.c * (lab[:, 0] - picture.l_d)
-    display = _display()
-    rgb, _ = tone.display_rgb(lab, display)
-    xyz = rgb @ np.linalg.inv(display.rgb_from_xyz).T
-    return cielab.lab_from_xyz(xyz, display.white)
-
-
-@lru_cache(maxsize=1)
-def _display() -> DisplayModel:
-    return DisplayModel.of(Display())
+    return lab
 
 
 def seen(surface: Surface, points: Points) -> Seen:
@@ -127,22 +116,48 @@ def seen(surface: Surface, points: Points) -> Seen:
 @lru_cache(maxsize=8)
 def points_of(azimuth_deg: float, columns: int = SIZE[0], rows: int = ROWS) -> Points:
     """The points of the paper's cylinder under a lamp at an azimuth."""
-    setup = Setup(lamp=Lamp(azimuth_deg=azimuth_deg))
-    view = view_of(setup.shape, setup.eye, SIZE)
     column = (np.arange(columns) + 0.5) * (SIZE[0] / columns) - 0.5
     row = (np.arange(rows) + 0.5) * (0.5 * SIZE[1] / rows) - 0.5
-    hit, ray, _ = sight(setup.shape, view, *np.broadcast_arrays(column[None], row[:, None]))
+    return points_at(azimuth_deg, *np.broadcast_arrays(column[None], row[:, None]))
+
+
+def points_at(azimuth_deg: float, columns: Array, rows: Array) -> Points:
+    """The lit points of the paper's cylinder at places of a picture of SIZE, in their order.
+
+    columns, rows: of the same shape, in pixels from the centre of the upper left one.
+    """
+    setup = Setup(lamp=Lamp(azimuth_deg=azimuth_deg))
+    view = view_of(setup.shape, setup.eye, SIZE)
+    hit, ray, _ = sight(setup.shape, view, columns, rows)
     ray, point, normal = ray[hit.found], hit.point_m[hit.found], hit.normal[hit.found]
     o = -ray / np.linalg.norm(ray, axis=-1, keepdims=True)
     [light] = lights.lit(setup, point)
     facing = brdf.facing(normal, light.i, o)
     lit = np.maximum(facing.mu_i, 0.0) / light.distance2
-    white = float(np.max(lit * (facing.mu_o > 0.0)))
+    white = white_of(azimuth_deg)
     kept = lit > 0.0
     frames = _frames(normal[kept])
     i, o = (np.einsum("pab,pb->pa", frames, v[kept]) for v in (light.i, o))
     facing = brdf.Facing(*(part[kept] for part in facing))
     return Points(i, o, facing, np.pi * lit[kept] / white)
+
+
+def lit_at(azimuth_deg: float, columns: Array, rows: Array) -> Mask:
+    """Which places points_at keeps: where the object is seen, and the lamp reaches it."""
+    setup = Setup(lamp=Lamp(azimuth_deg=azimuth_deg))
+    hit, _, _ = sight(setup.shape, view_of(setup.shape, setup.eye, SIZE), columns, rows)
+    seen_white = lights.white_seen(setup, hit.point_m, hit.normal)
+    return np.asarray(hit.found & (seen_white > 0.0))
+
+
+@lru_cache(maxsize=8)
+def white_of(azimuth_deg: float) -> float:
+    """The largest of cos_i / d^2 in the picture, 1/m^2, where the perfect diffuser shows Y_n."""
+    setup = Setup(lamp=Lamp(azimuth_deg=azimuth_deg))
+    column = np.arange(SIZE[0], dtype=np.float64)
+    row = np.full_like(column, 0.5 * (SIZE[1] - 1))
+    hit, _, _ = sight(setup.shape, view_of(setup.shape, setup.eye, SIZE), column, row)
+    return float(np.max(lights.white_seen(setup, hit.point_m[hit.found], hit.normal[hit.found])))
 
 
 def _frames(normal: Array) -> Array:

@@ -86,10 +86,11 @@ def refit_openpbr(material: Material) -> Refit:
     >>> refit_openpbr(load_sample("uncoated")).loss.de2000_p95 < 3.0
     True
     """
-    return _refit(material, openpbr_families(material))
+    return refit_with(material, openpbr_families(material))
 
 
-def _refit(material: Material, families: tuple[Family, ...]) -> Refit:
+def refit_with(material: Material, families: tuple[Family, ...]) -> Refit:
+    """The best of several ways to show a material."""
     best, *others = nearest(material, families)
     return Refit(best.surface, best.name, best.loss, tuple(others), colour_notes(material))
 
@@ -101,10 +102,10 @@ def openpbr_families(material: Material) -> tuple[Family, ...]:
     if main is None:
         return (_body_alone(material),)
     narrow = material.specular[main]
-    rough = _roughness(narrow)
+    rough = roughness_of(narrow)
     if narrow.is_metal:
         return _metals(material, narrow, rough)
-    wide = next((_roughness(lobe) for lobe in lobes if lobe is not narrow), min(1.0, 2.0 * rough))
+    wide = next((roughness_of(lobe) for lobe in lobes if lobe is not narrow), min(1.0, 2.0 * rough))
     body = _body(material)
     least = NARROWEST * rough
     lobe = Unknown(rough, least, 1.0)
@@ -142,7 +143,7 @@ def openpbr_families(material: Material) -> tuple[Family, ...]:
 
 
 def _metals(material: Material, lobe: Lobe, rough: float) -> tuple[Family, ...]:
-    f0 = np.clip(linear_rgb(_spread(lobe.f0, material), material), 0.01, 0.99)
+    f0 = np.clip(spread_f0(lobe, material), 0.01, 0.99)
     open_ones = (
         *(Unknown(float(v), 0.0, 1.0) for v in f0),
         Unknown(0.95, 0.0, 1.0),
@@ -191,11 +192,16 @@ def _body_alone(material: Material) -> Family:
 
 def _body(material: Material) -> tuple[Unknown, ...]:
     """The unknowns of the diffuse part: a colour, and EON's roughness."""
-    rgb = np.clip(linear_rgb(np.asarray(material.diffuse.albedo), material) / 0.95, 0.005, 0.99)
     rough = {"lambert": 0.02, "eon": material.diffuse.sigma}.get(
         material.diffuse.model, 1.5 * material.diffuse.sigma
     )
-    return (*(Unknown(float(v), 0.0, 1.0) for v in rgb), Unknown(min(rough, 0.9), 0.0, 1.0))
+    return (*body_colour(material), Unknown(min(rough, 0.9), 0.0, 1.0))
+
+
+def body_colour(material: Material) -> tuple[Unknown, ...]:
+    """The unknowns of the diffuse part's colour; layers above it dim it a little."""
+    rgb = np.clip(linear_rgb(np.asarray(material.diffuse.albedo), material) / 0.95, 0.005, 0.99)
+    return tuple(Unknown(float(v), 0.0, 1.0) for v in rgb)
 
 
 def _base(x: Array) -> dict[str, Any]:
@@ -207,10 +213,12 @@ def _colour(x: Array) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def _roughness(lobe: Lobe) -> float:
-    """Roughness of GGX facets that are about as wide: alpha a little below sqrt(2) s."""
+def roughness_of(lobe: Lobe) -> float:
+    """Roughness, the root of alpha, of GGX facets about as wide: alpha is below sqrt(2) s."""
     return min(max(math.sqrt(1.2 * lobe.s), math.sqrt(ggx.LEAST_ALPHA)), 1.0)
 
 
-def _spread(values: tuple[float, ...] | None, material: Material) -> Array:
-    return np.broadcast_to(np.asarray(values or (1.0,)), (material.bands.count,))
+def spread_f0(lobe: Lobe, material: Material) -> Array:
+    """Linear sRGB (3,) of a metal lobe's F0."""
+    bands = np.broadcast_to(np.asarray(lobe.f0 or (1.0,)), (material.bands.count,))
+    return linear_rgb(bands, material)

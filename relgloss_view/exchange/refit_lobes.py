@@ -90,10 +90,12 @@ def _families(
     wide = Unknown(math.log(wide_deg), math.log(low), math.log(high))
     strength = Unknown(1.0, 0.0, LARGEST_STRENGTH)
     weak = Unknown(0.2, 0.0, LARGEST_STRENGTH)
+    metal: tuple[float, ...] = ()
     if f0 is None:
         own: tuple[Unknown, ...] = (Unknown(min(max(index, 1.05), 3.5), 1.01, 4.0),)
     else:
-        own = tuple(Unknown(min(max(v, 0.01), 0.99), 0.0, 1.0) for v in f0)
+        own = ()  # a metal's colour is stated; its strength and width are searched for
+        metal = tuple(min(max(float(v), 0.0), 1.0) for v in f0)
 
     def make(x: Array) -> Material:
         diffuse = Diffuse("eon", tuple(float(v) for v in x[:3]), float(x[3]))
@@ -105,7 +107,7 @@ def _families(
             if f0 is None:
                 lobes.append(Lobe((float(x[k + 1]),), s_deg, float(kind[0])))
             else:
-                lobes.append(Lobe((float(x[k + 1]),), s_deg, f0=tuple(float(v) for v in kind)))
+                lobes.append(Lobe((float(x[k + 1]),), s_deg, f0=metal))
         return Material(name, source, RGB, diffuse, tuple(lobes))
 
     one = (*body, *own, main, strength)

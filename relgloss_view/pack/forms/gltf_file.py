@@ -5,78 +5,79 @@ Buffers lie in the file itself or in files beside it; nothing outside its folder
 
 from __future__ import annotations
 
-import base64
-import binascii
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-from urllib.parse import unquote
 
 import numpy as np
 
 from relgloss_view.base.arrays import AnyArray, Array, Ints
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.json_files import parse_json
-from relgloss_view.base.reading import printable, read_bytes
+from relgloss_view.base.reading import printable
+from relgloss_view.pack.forms.gltf_document import (
+    Document,
+    Source,
+    list_of,
+    source_of_glb,
+    source_of_gltf,
+)
 from relgloss_view.pack.forms.loose import MOST_TRIANGLES, TOO_MANY, Loose
 
-MOST_BUFFER = 100 * 1024 * 1024
-MOST_VALUES = 500_000  #: of the JSON part
 MOST_NODES = 20_000
 MOST_PRIMITIVES = 20_000
 _COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _COUNTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
-#: Extensions that change what is drawn here; others concern materials, lamps and animation.
+#: Extensions without which the triangles can't be read.
 _UNREADABLE = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing")
+
+#: Extensions that are read, or concern neither the form nor where artwork lies.
+_KNOWN = (
+    "KHR_mesh_quantization",
+    "KHR_lights_punctual",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    *_UNREADABLE,
+)
+_OF_NO_MATTER = ("KHR_materials_", "EXT_materials_", "KHR_texture_basisu", "EXT_texture_")
+_IGNORED = {
+    "KHR_texture_transform": (
+        "artwork lies by the texture coordinates as they are, unmoved and of their own scale"
+    ),
+    "KHR_node_visibility": "what it hides is drawn too",
+    "EXT_lights_image_based": "the light comes from the scene",
+}
+MOST_NOTES = 20
 
 
 def parse_glb(data: bytes) -> Loose:
     """The triangles of a .glb file. Raises InputError."""
-    if data[:4] != b"glTF" or len(data) < 20:
-        raise InputError("no header of a .glb file; export it again")
-    if int.from_bytes(data[4:8], "little") != 2:
-        raise InputError("not of glTF version 2; export it as glTF 2.0")
-    at, text, binary = 12, None, None
-    while at + 8 <= len(data):
-        length, kind = int.from_bytes(data[at : at + 4], "little"), data[at + 4 : at + 8]
-        if at + 8 + length > len(data):
-            raise InputError("the file ends before its parts do; export it again")
-        chunk = data[at + 8 : at + 8 + length]
-        if kind == b"JSON" and text is None:
-            text = chunk
-        elif kind == b"BIN\0" and binary is None:
-            binary = chunk
-        at += 8 + length
-    if text is None:
-        raise InputError("no JSON part in the .glb file; export it again")
-    return _parsed(text, None, binary)
+    return _loose(source_of_glb(data))
 
 
 def parse_gltf(data: bytes, folder: Path) -> Loose:
     """The triangles of a .gltf file, whose buffers lie in `folder`. Raises InputError."""
-    return _parsed(data, folder, None)
+    return _loose(source_of_gltf(data, folder))
 
 
-def _parsed(text: bytes, folder: Path | None, binary: bytes | None) -> Loose:
-    try:
-        content = parse_json(text.decode("utf-8-sig"), MOST_VALUES)
-    except UnicodeDecodeError:
-        raise InputError("its JSON part is not UTF-8; export it again") from None
-    if not isinstance(content, dict):
-        raise InputError("its JSON part is no object; export it again")
+def _loose(source: Source) -> Loose:
     for name in _UNREADABLE:
-        if name in _list(content, "extensionsRequired") or (
-            name == "EXT_mesh_gpu_instancing" and name in _list(content, "extensionsUsed")
+        if name in list_of(source.content, "extensionsRequired") or (
+            name == "EXT_mesh_gpu_instancing" and name in list_of(source.content, "extensionsUsed")
         ):
             raise InputError(f"uses {name}; export it without compression and instances")
-    return _Document(content, folder, binary).loose()
+    return _Document(source).loose()
 
 
-def _list(holder: Any, key: str) -> list[Any]:
-    value = holder.get(key, []) if isinstance(holder, dict) else []
-    if not isinstance(value, list):
-        raise InputError(f"{key}: expected a list; export it again")
-    return value
+def _ignored(content: dict[str, Any]) -> list[str]:
+    """A note for each extension that might change what is drawn, and is not read."""
+    notes: list[str] = []
+    for name in list_of(content, "extensionsUsed"):
+        shown = printable(name, 60)
+        if shown in _KNOWN or shown.startswith(_OF_NO_MATTER) or len(notes) >= MOST_NOTES:
+            continue
+        why = _IGNORED.get(shown, "the form may look different in other programs")
+        notes.append(f"The file uses {shown}, which is ignored: {why}.")
+    return notes
 
 
 @dataclass
@@ -93,20 +94,18 @@ class _Gathered:
     triangles: int = 0
 
 
-class _Document:
-    def __init__(self, content: dict[str, Any], folder: Path | None, binary: bytes | None) -> None:
-        self._content, self._folder, self._binary = content, folder, binary
-        self._buffers: dict[int, bytes] = {}
+class _Document(Document):
+    def __init__(self, source: Source) -> None:
+        super().__init__(source)
         self._primitives = 0
-        self._notes: dict[str, None] = {}
+        self._notes = dict.fromkeys(_ignored(self.content))
         self._names: dict[str, int] = {}
-        self._files: list[str] = []  #: buffers beside it
 
     def loose(self) -> Loose:
         """All triangles of the scene, in its axes."""
         gathered = _Gathered()
         for number, matrix in self._nodes():
-            node = self._entry("nodes", number)
+            node = self.entry("nodes", number)
             if "mesh" in node:
                 self._mesh(node, matrix, gathered)
         if not gathered.corners:
@@ -124,29 +123,29 @@ class _Document:
             np.repeat(np.array(gathered.part, dtype=np.int64), counts),
             tuple(self._names),
             tuple(self._notes),
-            tuple(self._files),
+            tuple(self.files),
         )
 
     # The tree of nodes
 
     def _nodes(self) -> list[tuple[int, Array]]:
         """Nodes of the scene with their matrices (4, 4); each node once, as glTF has trees."""
-        nodes = _list(self._content, "nodes")
+        nodes = list_of(self.content, "nodes")
         if len(nodes) > MOST_NODES:
             raise InputError(f"has more than {MOST_NODES} nodes; join its objects")
-        scenes = _list(self._content, "scenes")
+        scenes = list_of(self.content, "scenes")
         if scenes:
-            chosen = self._entry("scenes", self._content.get("scene", 0))
-            roots = _list(chosen, "nodes")
+            chosen = self.entry("scenes", self.content.get("scene", 0))
+            roots = list_of(chosen, "nodes")
         else:
-            children = {c for n in nodes for c in _list(n, "children") if isinstance(c, int)}
+            children = {c for n in nodes for c in list_of(n, "children") if isinstance(c, int)}
             roots = [k for k in range(len(nodes)) if k not in children]
         waiting = [(root, np.eye(4)) for root in roots]
         seen: set[int] = set()
         found = []
         while waiting:
             number, parent = waiting.pop()
-            node = self._entry("nodes", number)
+            node = self.entry("nodes", number)
             if number in seen:
                 raise InputError(
                     f"node {number} is in the scene twice, or within itself; export it again"
@@ -154,15 +153,15 @@ class _Document:
             seen.add(number)
             matrix = parent @ self._matrix(node)
             found.append((number, matrix))
-            waiting += [(child, matrix) for child in _list(node, "children")]
+            waiting += [(child, matrix) for child in list_of(node, "children")]
         return found
 
     def _matrix(self, node: dict[str, Any]) -> Array:
         if "matrix" in node:
-            return self._numbers(node, "matrix", 16).reshape(4, 4).T
+            return self.numbers(node, "matrix", 16).reshape(4, 4).T
         matrix = np.eye(4)
         if "rotation" in node:
-            x, y, z, w = self._numbers(node, "rotation", 4)
+            x, y, z, w = self.numbers(node, "rotation", 4)
             norm = x * x + y * y + z * z + w * w
             if norm <= 0.0:
                 raise InputError("a node's rotation is no quaternion; export it again")
@@ -173,34 +172,19 @@ class _Document:
                 [s * (x * z - y * w), s * (y * z + x * w), 1 - s * (x * x + y * y)],
             ]
         if "scale" in node:
-            matrix[:3, :3] *= self._numbers(node, "scale", 3)
+            matrix[:3, :3] *= self.numbers(node, "scale", 3)
         if "translation" in node:
-            matrix[:3, 3] = self._numbers(node, "translation", 3)
+            matrix[:3, 3] = self.numbers(node, "translation", 3)
         return matrix
-
-    def _numbers(self, holder: dict[str, Any], key: str, count: int) -> Array:
-        values = _list(holder, key)
-        usable = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
-        if len(values) != count or not usable or not all(abs(v) < 1e30 for v in values):
-            raise InputError(f"{key}: expected {count} numbers; export it again")
-        return np.array(values, dtype=float)
-
-    def _entry(self, key: str, number: Any) -> dict[str, Any]:
-        entries = _list(self._content, key)
-        whole = isinstance(number, int) and not isinstance(number, bool)
-        if not whole or not 0 <= number < len(entries) or not isinstance(entries[number], dict):
-            shown = printable(number, 20)
-            raise InputError(f"{key}[{shown}]: there is no such entry; export it again")
-        return dict(entries[number])
 
     # Meshes
 
     def _mesh(self, node: dict[str, Any], matrix: Array, gathered: _Gathered) -> None:
-        mesh = self._entry("meshes", node["mesh"])
+        mesh = self.entry("meshes", node["mesh"])
         if "skin" in node:
             self._notes["A skeleton of the file is ignored; the mesh has its own pose."] = None
         object_name = mesh.get("name") or node.get("name") or "body"
-        for primitive in _list(mesh, "primitives"):
+        for primitive in list_of(mesh, "primitives"):
             self._primitives += 1
             if self._primitives > MOST_PRIMITIVES:
                 raise InputError(f"has more than {MOST_PRIMITIVES} parts; join them")
@@ -258,13 +242,13 @@ class _Document:
     def _material(self, primitive: dict[str, Any]) -> str:
         if "material" not in primitive:
             return ""
-        return str(self._entry("materials", primitive["material"]).get("name") or "")
+        return str(self.entry("materials", primitive["material"]).get("name") or "")
 
     # Numbers
 
     def _accessor(self, number: Any, components: int) -> Array:
         """The numbers of an accessor, (count, components)."""
-        entry = self._entry("accessors", number)
+        entry = self.entry("accessors", number)
         kind, count = entry.get("componentType"), entry.get("count")
         if kind not in _COMPONENTS or _COUNTS.get(str(entry.get("type"))) != components:
             raise InputError(f"accessors[{number}]: not of the expected type; export it again")
@@ -302,8 +286,8 @@ class _Document:
     def _view(
         self, holder: dict[str, Any], item: np.dtype[Any], count: int, components: int
     ) -> AnyArray:
-        view = self._entry("bufferViews", holder.get("bufferView"))
-        data = self._buffer(view.get("buffer"))
+        view = self.entry("bufferViews", holder.get("bufferView"))
+        data = self.buffer(view.get("buffer"))
         sizes = [holder.get("byteOffset", 0), view.get("byteOffset", 0), view.get("byteLength")]
         stride = view.get("byteStride", item.itemsize * components)
         for value in (*sizes, stride):
@@ -320,48 +304,6 @@ class _Document:
         return np.ndarray(
             (count, components), item, data, begin + sizes[0], (stride, item.itemsize)
         )
-
-    def _buffer(self, number: Any) -> bytes:
-        entry = self._entry("buffers", number)
-        if number not in self._buffers:
-            self._buffers[number] = self._read(entry, number)
-        return self._buffers[number]
-
-    def _read(self, entry: dict[str, Any], number: int) -> bytes:
-        uri = entry.get("uri")
-        if uri is None:
-            if self._binary is None or number != 0:
-                raise InputError(f"buffers[{number}]: there are no bytes for it; export it again")
-            return self._binary
-        if not isinstance(uri, str):
-            raise InputError(f"buffers[{number}]: its uri is no text; export it again")
-        if uri[:5].lower() == "data:":
-            _, comma, coded = uri.partition(",")
-            try:
-                return base64.b64decode(coded if comma else "?", validate=True)
-            except (binascii.Error, ValueError):
-                raise InputError(f"buffers[{number}]: broken base64; export it again") from None
-        return self._beside(unquote(uri))
-
-    def _beside(self, name: str) -> bytes:
-        """A file of the same folder; no other one is opened."""
-        shown = printable(name, 60)
-        if self._folder is None:
-            raise InputError(f"names the file {shown}; a .glb holds its buffers itself")
-        refusal = f"names the file {shown}, which is not in its folder; put its files beside it"
-        parts = name.replace("\\", "/").split("/")
-        if ":" in name or "\0" in name or ".." in parts or name.startswith(("/", "\\")):
-            raise InputError(refusal)
-        path = self._folder / name
-        try:
-            inside = path.resolve().is_relative_to(self._folder.resolve())
-        except (OSError, RuntimeError, ValueError):
-            inside = False
-        if not inside:
-            raise InputError(refusal)
-        self._files.append(str(path))
-        used = sum(len(data) for data in self._buffers.values())
-        return read_bytes(path, max(MOST_BUFFER - used, 0), "the buffer of a .gltf file")
 
 
 def _triangles(indices: Ints, mode: int) -> Ints:

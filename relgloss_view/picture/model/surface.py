@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array
+from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.pack import forms
 from relgloss_view.pack.label import SAME_GIRTH, Label, label_of
 from relgloss_view.pack.layers import REST, Layers, layers_of
@@ -59,14 +59,30 @@ def _printed(
 ) -> tuple[Array, Array]:
     """Paint (N, 4), and specular and diffuse shares (2, N, F), of points that are seen."""
     part = np.clip(seen.hit.face, 0, len(layers.part_finish) - 1)
-    to_share = ArtworkPlace.of(pack.placement, layers, label)
     steps = label_steps(pack.shape, view, seen, samples)
+    return printed_at(pack, layers, label, part, seen.hit.surface_m, steps)
+
+
+def printed_at(
+    pack: Pack,
+    layers: Layers,
+    label: Label,
+    part: Ints,
+    label_m: Array,
+    steps_m: tuple[Array, Array],
+) -> tuple[Array, Array]:
+    """Paint (N, 4), and specular and diffuse shares (2, N, F), of places on a pack's label.
+
+    part: (N,), of the form. label_m: (N, 2). steps_m: (N, 2) each, to the next pixel on the right
+    and below, over whose area the artwork is averaged.
+    """
+    to_share = ArtworkPlace.of(pack.placement, layers, label)
     height, width = layers.paint.shape[:2]
     size = np.array([width, height], dtype=np.float64)
-    right, down = (to_share.turned(step) * size for step in steps)
+    right, down = (to_share.turned(step) * size for step in steps_m)
     (paint, channels), on = filtered(
         layers.levels,
-        to_share.of_label(seen.hit.surface_m),
+        to_share.of_label(label_m),
         footprint(right, down, len(layers.levels)),
         repeats=to_share.repeats,
     )
