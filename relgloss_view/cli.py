@@ -38,6 +38,7 @@ COMMANDS = {
     "export": "write a material or a pack for another program, and print what is lost",
     "import": "read a material that another program describes",
     "proof": "make one file of a design that others open in a browser, and check it",
+    "catalogue": "fit, meter, match and draw every sample of a folder, and search among them",
     "experiment": "run, simulate and analyse the subjective evaluation",
     "bench": "chart speed against accuracy of every way to draw",
     "doctor": "check this machine's OpenGL and libraries, and how to get what is missing",
@@ -57,6 +58,7 @@ LESS_MEMORY = {
     "grid": "give a smaller --size",
     "compare": "give a smaller --size or fewer --operators",
     "match": "give a smaller --size",
+    "catalogue": "build with fewer --workers",
     "experiment": "give fewer --draws, or smaller pictures in the study",
     "bench": "give a smaller --size",
 }

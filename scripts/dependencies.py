@@ -36,7 +36,9 @@ NOTES = {
     " the program does not",
     "numpy": "its wheels bring OpenBLAS (BSD) and libgfortran (GPL-3.0-or-later WITH "
     "GCC-exception-3.1)",
-    "scipy": "its wheels bring the same",
+    "pyarrow": "its wheels bring Arrow's C++ libraries and what they use, named in its LICENSE.txt",
+    "pyradiance": "its wheels bring programs of Radiance, which the tests run",
+    "scipy": "its wheels bring what numpy's do",
 }
 
 

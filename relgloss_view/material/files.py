@@ -102,6 +102,11 @@ def save_material(material: Material, path: str | os.PathLike[str]) -> None:
         temporary.write_text(written + "\n", encoding="utf-8")
 
 
+def material_text(content: dict[str, Any]) -> str:
+    """The text of a material file that holds the JSON object of a material."""
+    return _written(content) + "\n"
+
+
 def load_material(path: str | os.PathLike[str]) -> Material:
     """Read a material file, as `fit_material` and `save_material` make it.
 

@@ -1,0 +1,224 @@
+"""Building a catalogue: what has to be done, handed to an engine, kept, and written as one table.
+
+Only what has changed is worked on. The store (store.py) has each item as soon as it is done; the
+table and the materials are made of it at the end, so they never hold half of a build.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.interruptions import checkpoint
+from relgloss_view.base.reading import named, printable
+from relgloss_view.base.terminal import ProgressReport, no_progress
+from relgloss_view.catalogue.columns import FAILED
+from relgloss_view.catalogue.engine import EngineOptions, Lost, Task, run
+from relgloss_view.catalogue.folder import claimed, write_mark
+from relgloss_view.catalogue.item import OF_MACHINE, Fitted, Item
+from relgloss_view.catalogue.look import reference_of
+from relgloss_view.catalogue.outcome import write_outcome
+from relgloss_view.catalogue.recipe import Recipe
+from relgloss_view.catalogue.store import Store, key_of
+from relgloss_view.catalogue.tree import Entry, Tree, is_catalogue, scan
+from relgloss_view.catalogue.work import close_renderer, make_item
+
+GO_ON = "--keep-going goes on past faults"
+
+
+@dataclass(frozen=True)
+class BuildOptions:
+    """How a build goes about its work; nothing of it changes a result.
+
+    keep_going: work on the other files after a fault, and write the table with all faults. retry:
+    work on files again that failed before and are unchanged. progress: shares from 0 to 1.
+    """
+
+    engine: EngineOptions = field(default_factory=lambda: EngineOptions(workers=1))
+    keep_going: bool = False
+    retry: bool = False
+    progress: ProgressReport = no_progress
+
+
+@dataclass
+class Report:
+    """What a build has done. Counts are of files; equal files that share work count as one."""
+
+    rows: int = 0  #: files of the tree that are in the table
+    done: int = 0
+    failed: int = 0
+    worked: int = 0  #: read, and fitted where they are tables
+    drawn_again: int = 0  #: metered, matched and drawn alone, because the reference has changed
+    unchanged: int = 0
+    removed: int = 0  #: materials of files that are no longer in the tree
+    passed_over: int = 0  #: files that are no tables, materials or proofs
+    faults: list[str] = field(default_factory=list)  #: PATH: what is wrong, sorted
+    is_complete: bool = False  #: whether the table was written
+
+    def as_json(self) -> dict[str, Any]:
+        """The report as `--json` prints it."""
+        return dict(vars(self))
+
+
+def build(
+    folder: str | os.PathLike[str],
+    output: str | os.PathLike[str],
+    recipe: Recipe | None = None,
+    options: BuildOptions | None = None,
+) -> Report:
+    """Make or renew the catalogue of a tree.
+
+    folder: the tree of tables, materials and proofs. output: the catalogue's folder, a new one, an
+    empty one or a catalogue. A fault of a file ends the build, but for what is in hand, unless
+    `keep_going`; the report's `is_complete` is False then, and the table stays as it was. What is
+    done is kept in any case. Raises InputError where tree or catalogue can't be used.
+    """
+    recipe, options = recipe or Recipe(), options or BuildOptions()
+    top = os.path.realpath(folder)
+    reference_of(recipe)  # before anything is written
+    if is_catalogue(top):
+        raise InputError(f"{named(os.fspath(folder))}: is a catalogue; give the folder of samples")
+    with claimed(output, top) as catalogue, contextlib.closing(_Renderer()):
+        write_mark(catalogue)
+        tree = scan(top, lambda count: options.progress(0.0, f"{count:,} files looked at"))
+        return _Build(catalogue, tree, recipe, options).build()
+
+
+class _Renderer:
+    """This process's renderer, which is given back at the end."""
+
+    def close(self) -> None:
+        close_renderer()
+
+
+class _Build:
+    """One build of a catalogue that is claimed."""
+
+    def __init__(self, catalogue: Path, tree: Tree, recipe: Recipe, options: BuildOptions) -> None:
+        self.catalogue, self.tree, self.recipe, self.options = catalogue, tree, recipe, options
+        self.store = Store(catalogue)
+        self.report = Report(rows=len(tree.entries), passed_over=tree.passed_over)
+        self.keys: dict[str, str] = {}  #: record by path
+        self._groups: dict[str, list[Entry]] = {}  #: entries by record
+        self._stopped = False
+        self._finished = 0
+
+    def build(self) -> Report:
+        """Do what is to be done, and write the outcome."""
+        self._note_faults(self.tree.faults)
+        whole, look_only = self._plan()
+        self._total = len(whole) + len(look_only)
+        if not self._stopped and self._total:
+            run(self._tasks(whole, look_only), self._done, self.options.engine)
+        self.report.faults.sort()
+        self.report.failed = len(self.report.faults)
+        if not self._stopped:
+            self._write()
+        return self.report
+
+    def _plan(self) -> tuple[list[str], list[str]]:
+        """The records that are to be made, and those of which only the second half is."""
+        whole: list[str] = []
+        look_only: list[str] = []
+        for entry in self.tree.entries:
+            if entry.fault:
+                self._note_faults([f"{entry.path}: {entry.fault}"])
+                continue
+            key = self.keys[entry.path] = key_of(entry, self.recipe)
+            self._groups.setdefault(key, []).append(entry)
+        for number, (key, entries) in enumerate(self._groups.items()):
+            checkpoint()
+            self.options.progress(0.0, f"{number + 1:,} of {len(self._groups):,} items compared")
+            kept = self.store.kept(key)
+            if kept is None or kept.failed_in == OF_MACHINE or (
+                kept.failed_in and self.options.retry
+            ):  # fmt: skip
+                whole.append(key)
+            elif kept.is_current(self.recipe):
+                self.report.unchanged += 1
+                if kept.failed_in:
+                    self._note_failed(entries, self.store.item(key))
+            else:
+                look_only.append(key)
+        return whole, look_only
+
+    def _tasks(self, whole: list[str], look_only: list[str]) -> Iterator[Task]:
+        """The work, made shortly before it is done."""
+        for key in whole:
+            if self._stopped:
+                return
+            yield self._task(key, None)
+        for key in look_only:
+            if self._stopped:
+                return
+            item = self.store.item(key)
+            yield self._task(key, None if item is None else item.fitted)
+
+    def _task(self, key: str, fitted: Fitted | None) -> Task:
+        first = self._groups[key][0]
+        if fitted is None:
+            self.report.worked += 1
+        else:
+            self.report.drawn_again += 1
+        arguments = (first.file, first.path, first.kind, first.sha256, self.recipe, fitted)
+        return Task(key, first.path, make_item, arguments)
+
+    def _done(self, task: Task, result: Item | Lost) -> None:
+        """Keep a result, whichever comes first."""
+        entries = self._groups[task.key]
+        if isinstance(result, Lost):
+            first = entries[0]
+            row = {"path": first.path, "kind": first.kind, "sha256": first.sha256,
+                   "status": FAILED, "fault": result.fault}  # fmt: skip
+            result = Item(row, failed_in=OF_MACHINE)
+        self.store.put(task.key, result, self.recipe)
+        if result.failed:
+            self._note_failed(entries, result)
+        self._finished += 1
+        failed = len(self.report.faults)
+        words = f"{self._finished:,} of {self._total:,}" + (f", {failed} failed" if failed else "")
+        self.options.progress(self._finished / self._total, f"{words}: {printable(task.name, 40)}")
+
+    def _note_failed(self, entries: list[Entry], item: Item | None) -> None:
+        fault = "" if item is None else item.row.get("fault")
+        self._note_faults([f"{entry.path}: {fault}" for entry in entries])
+
+    def _note_faults(self, faults: list[str] | tuple[str, ...]) -> None:
+        self.report.faults += faults
+        self._stopped = self._stopped or (bool(faults) and not self.options.keep_going)
+
+    def _write(self) -> None:
+        """Table and materials of the whole tree; what is of no use any more goes."""
+        written = write_outcome(
+            self.catalogue, self.tree.entries, self.keys, self.store, self.recipe,
+            self.options.progress,
+        )  # fmt: skip
+        self.store.tidy(self._groups.keys())
+        self.report.removed = written.removed
+        self.report.done = written.done
+        self.report.is_complete = True
+
+
+def words_of(report: Report, output: str) -> list[str]:
+    """A report as lines for people."""
+    lines = []
+    if report.is_complete:
+        lines.append(f"{report.rows:,} files: {report.done:,} done, {report.failed:,} failed")
+    work = [
+        (report.worked, "read and fitted"),
+        (report.drawn_again, "only metered and drawn again"),
+        (report.unchanged, "unchanged"),
+    ]
+    lines.append("; ".join(f"{count:,} {words}" for count, words in work))
+    if report.removed:
+        lines.append(f"{report.removed:,} materials of files that are gone: removed")
+    if report.passed_over:
+        lines.append(f"{report.passed_over:,} files passed over: no table, material or proof")
+    if report.is_complete:
+        lines.append(f"{printable(os.path.join(output, 'catalogue.parquet'))}: written")
+    return lines

@@ -1,0 +1,114 @@
+"""Catalogue: the folder that `relgloss catalogue build` has made, to be read."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import named, printable, refuse
+from relgloss_view.catalogue import table
+from relgloss_view.catalogue.recipe import Recipe
+from relgloss_view.catalogue.tree import FORMAT, MARK, is_catalogue
+from relgloss_view.material.files import load_material
+from relgloss_view.material.material import Material
+
+VERSION = 1
+REMEDY = "give the folder that `relgloss catalogue build` has made"
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """A catalogue. Its rows are read once, its thumbnails and materials when they are asked for.
+
+    folder: as it was opened. recipe: how its items were fitted, matched and drawn. metadata: what
+    the table's file holds beside its rows: the program's version, the drivers, the recipe.
+    """
+
+    folder: Path
+    recipe: Recipe
+    metadata: dict[str, Any] = field(repr=False)
+
+    @classmethod
+    def open(cls, folder: str | os.PathLike[str]) -> Catalogue:
+        """The catalogue of a folder. Raises InputError where it is none, or holds no table yet.
+
+        >>> Catalogue.open("no such folder")
+        Traceback (most recent call last):
+        ...
+        relgloss_view.base.errors.InputError: no such folder: is no catalogue; give the folder ...
+        """
+        place = Path(folder)
+        if not is_catalogue(place):
+            raise InputError(f"{named(place)}: is no catalogue; {REMEDY}")
+        path = place / table.NAME
+        if not os.path.lexists(path):
+            raise InputError(
+                f"{named(place)}: holds no table yet, because its build did not end; build it again"
+            )
+        metadata = table.read_metadata(path)
+        if metadata.get("format") != FORMAT or metadata.get("version") != VERSION:
+            refuse(f"{named(path)}: version", f"{VERSION}", metadata.get("version"))
+        return cls(place, recipe_of(metadata.get("recipe"), path), metadata)
+
+    @property
+    def table(self) -> Path:
+        """The Parquet file."""
+        return self.folder / table.NAME
+
+    @cached_property
+    def rows(self) -> tuple[dict[str, Any], ...]:
+        """A row a file, sorted by path: every column but the thumbnail."""
+        return tuple(table.read_rows(self.table))
+
+    @cached_property
+    def _by_path(self) -> dict[str, dict[str, Any]]:
+        return {row["path"]: row for row in self.rows}
+
+    def columns(self, names: Iterable[str]) -> list[dict[str, Any]]:
+        """The rows with these columns alone, read from the file each time."""
+        return table.read_rows(self.table, tuple(names))
+
+    def row(self, path: str) -> dict[str, Any]:
+        """The row of a file; InputError where there is none."""
+        try:
+            return self._by_path[path]
+        except KeyError:
+            name = printable(path, 100)
+            raise InputError(f"{named(self.folder)}: has no file {name!r}") from None
+
+    def thumbnails(self, paths: Iterable[str]) -> Mapping[str, bytes]:
+        """Pictures (PNG) by path; an item without one is not in it."""
+        return table.read_thumbnails(self.table, set(paths))
+
+    def thumbnail(self, path: str) -> bytes | None:
+        """The picture (PNG) of one item; None where it has none."""
+        return self.thumbnails([path]).get(path)
+
+    def material_file(self, path: str) -> Path:
+        """The material file of an item; InputError where it has none."""
+        place = self.row(path)["material"]
+        parts = PurePosixPath(place).parts if place else ()
+        if not parts:
+            raise InputError(f"{printable(path, 100)}: has no material, because it has failed")
+        if PurePosixPath(place).is_absolute() or ".." in parts or "\\" in place:
+            raise InputError(f"{named(self.table)}: names a material outside the catalogue")
+        return self.folder.joinpath(*parts)
+
+    def material(self, path: str) -> Material:
+        """The material of an item. Raises InputError."""
+        return load_material(self.material_file(path))
+
+
+def recipe_of(content: object, place: Path) -> Recipe:
+    """The recipe of a table's metadata; InputError where it is none."""
+    try:
+        values = dict(content)  # type: ignore[call-overload]
+        values.pop("revision")
+        return Recipe(**values)
+    except (TypeError, ValueError, KeyError) as error:
+        raise InputError(f"{named(place)}: holds no recipe ({MARK} and it differ?)") from error

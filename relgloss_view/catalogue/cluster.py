@@ -1,0 +1,216 @@
+"""The engine that works in processes: Dask's, on this machine or on a running cluster.
+
+A few tasks for each worker are in flight, so no worker waits for the driver and the driver holds no
+more than those. A task whose worker died is set aside until all others are done. Then each of them
+has a worker of its own, where what it does to that worker shows (cluster_evidence.py).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import time
+import uuid
+from collections import deque
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.interruptions import STEP_S, checkpoint
+from relgloss_view.catalogue.cluster_check import check_scheduler, checked
+from relgloss_view.catalogue.cluster_evidence import Evidence
+from relgloss_view.catalogue.cluster_processes import Processes, local_cluster, silent
+from relgloss_view.catalogue.cluster_worker import Program, Refused, perform, this_program
+from relgloss_view.catalogue.engine import MOST_WORKERS, Done, EngineOptions, Lost, Task
+
+IN_FLIGHT = 2  #: tasks of a worker: one at work, one that waits there
+POLL_S = 0.002
+COUNTED_S = 0.5  #: between two counts of the workers
+ANSWER_S = 10.0  #: so long a scheduler may take to answer
+SCHEMES = ("tcp://", "tls://")
+
+
+def on_processes(tasks: Iterable[Task], done: Done, options: EngineOptions) -> None:
+    """Work off the tasks in processes: as engine.Engine.
+
+    Raises InputError where no scheduler or worker answers for `patience_s`, and where a worker has
+    another program or can't read a task's file, GLUnavailableError where one can't draw.
+    """
+    evidence = Evidence()
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(silent())
+        import distributed
+        from dask.system import CPU_COUNT
+
+        stack.enter_context(silent())  # its loggers exist only now
+        address: Any = options.scheduler
+        processes = None
+        if address is None:
+            number = options.workers or min(CPU_COUNT, MOST_WORKERS)
+            address, processes = stack.enter_context(
+                local_cluster(number, evidence, dashboard=options.dashboard)
+            )
+        elif not address.startswith(SCHEMES):
+            raise InputError(f"scheduler {address!r}: expected tcp://HOST:PORT or tls://HOST:PORT")
+        try:
+            client = distributed.Client(
+                address, timeout=options.patience_s, set_as_default=False, name="relgloss"
+            )
+        except (OSError, ValueError, TimeoutError) as error:
+            raise InputError(
+                f"scheduler {options.scheduler}: no answer within {options.patience_s:g} s "
+                f"({_first_line(error)}); start one with: dask scheduler"
+            ) from None
+        stack.callback(client.close, timeout=ANSWER_S if processes is None else 1.0)
+        if processes is None:
+            check_scheduler(client, address)
+        if options.dashboard:
+            options.report(f"Dask's dashboard: {client.dashboard_link}")
+        _Run(client, processes, evidence, options).work_off(tasks, done)
+
+
+@dataclass
+class _Flight:
+    """A task that a worker has, or will have."""
+
+    task: Task
+    alone: bool
+    begun_s: float
+
+
+class _Run:
+    """One run of an engine."""
+
+    def __init__(
+        self, client: Any, processes: Processes | None, evidence: Evidence, options: EngineOptions
+    ) -> None:
+        from distributed import as_completed
+
+        self._client, self._processes = client, processes
+        self._evidence, self._options = evidence, options
+        self._program: Program = this_program()
+        self._flights: dict[Any, _Flight] = {}
+        self._completed = as_completed(loop=client.loop, with_results=True, raise_errors=False)
+        self._keys = (f"relgloss-{uuid.uuid4().hex[:12]}-{n}" for n in itertools.count())
+        self._known: set[str] = set()  #: names of the workers that the scheduler knows
+        self._checked: set[str] = set()  #: addresses of workers that have this program
+        self._counted_s = 0.0
+        self._seen_s = time.monotonic()  #: when a worker was there last
+
+    def work_off(self, tasks: Iterable[Task], done: Done) -> None:
+        """Call `done` for every task."""
+        source: Iterator[Task] = iter(tasks)
+        again: deque[Task] = deque()  #: the scheduler has lost them
+        aside: deque[Task] = deque()  #: a worker died under them
+        exhausted = False
+        while True:
+            checkpoint()
+            self._look()
+            while not exhausted and len(self._flights) < IN_FLIGHT * len(self._known):
+                task = again.popleft() if again else next(source, None)
+                if task is None:
+                    exhausted = True
+                else:
+                    self._submit(task, alone=False)
+            exhausted = exhausted and not again
+            if exhausted and all(flight.alone for flight in self._flights.values()):
+                while aside and len(self._flights) < len(self._known):
+                    self._submit(aside.popleft(), alone=True)
+                if not aside and not self._flights:
+                    return
+            if not self._completed.has_ready():
+                time.sleep(POLL_S)
+                continue
+            for future, result in self._completed.next_batch(block=False):
+                flight = self._flights.pop(future)
+                self._finish(flight, future, result, done, again, aside)
+
+    def _finish(
+        self,
+        flight: _Flight,
+        future: Any,
+        result: Any,
+        done: Done,
+        again: deque[Task],
+        aside: deque[Task],
+    ) -> None:
+        from distributed import KilledWorker
+
+        task = flight.task
+        if future.status == "cancelled":
+            again.append(task)
+        elif future.status == "finished":
+            if isinstance(result, Refused):
+                raise result.error()
+            self._evidence.forget(task.key)
+            done(task, result)
+        else:
+            _, error, trace = result
+            if not isinstance(error, KilledWorker):
+                raise error.with_traceback(trace)
+            if self._is_at_fault(flight, error.allowed_failures + 1):
+                done(task, Lost(self._evidence.tries(task.key)))
+            else:
+                aside.append(task)
+
+    def _is_at_fault(self, flight: _Flight, deaths: int) -> bool:
+        if self._processes is None:
+            self._evidence.deaths += deaths
+        if not flight.alone:
+            return False
+        took_s = (time.monotonic() - flight.begun_s) / deaths
+        return self._evidence.died(flight.task.key, took_s, len(self._known), deaths=deaths)
+
+    def _submit(self, task: Task, *, alone: bool) -> None:
+        if alone:
+            self._evidence.begin(task.key)
+        future = self._client.submit(perform, task, self._program, key=next(self._keys), pure=False)
+        self._flights[future] = _Flight(task, alone, time.monotonic())
+        self._completed.add(future)
+
+    def _look(self) -> None:
+        """Count the workers, replace dead ones; raises InputError once none is left for long."""
+        now_s = time.monotonic()
+        if now_s > self._counted_s + COUNTED_S or not self._known:
+            self._counted_s = now_s
+            self._known = self._names()
+            if not self._known:
+                time.sleep(STEP_S)
+        if self._processes is not None:
+            self._processes.look(self._known)
+        if self._known:
+            self._seen_s = now_s
+        elif now_s > self._seen_s + self._options.patience_s:
+            raise InputError(self._loss())
+
+    def _names(self) -> set[str]:
+        if self._processes is not None:
+            workers = self._client.cluster.scheduler.workers.copy().values()
+            return {str(worker.name) for worker in workers}
+        if self._client.status != "running":
+            return set()
+        try:
+            present = set(
+                self._client.sync(self._client.scheduler.ncores, callback_timeout=ANSWER_S)
+            )
+        except (OSError, TimeoutError, RuntimeError):
+            return set()
+        self._checked &= present
+        self._checked |= checked(self._client, present - self._checked, self._program)
+        return set(self._checked)
+
+    def _loss(self) -> str:
+        waited = f"for {self._options.patience_s:g} s; what is done is kept"
+        if self._processes is not None:
+            return f"no worker process has started {waited}"
+        if self._client.status != "running":
+            return f"scheduler {self._options.scheduler}: no answer {waited}"
+        return (
+            f"scheduler {self._options.scheduler}: no worker {waited}; "
+            f"start some with: dask worker {self._options.scheduler} --nthreads 1"
+        )
+
+
+def _first_line(error: BaseException) -> str:
+    return (str(error).strip() or type(error).__name__).split("\n")[0]

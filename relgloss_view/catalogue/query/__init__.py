@@ -1,0 +1,1 @@
+"""Searches of a catalogue: the language, what a query holds, how hits are ranked."""

@@ -1,0 +1,99 @@
+"""Hits as a table on a terminal: rank, file, name, what the query uses, what it computed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from relgloss_view.base.reading import printable
+from relgloss_view.base.terminal import Column, table
+from relgloss_view.catalogue.columns import BY_NAME, FLAG, NUMBER, TEXT, WHOLE
+from relgloss_view.catalogue.query.found import Found, Hit, Measure
+from relgloss_view.catalogue.query.notes import left_out_words
+from relgloss_view.catalogue.query.vocabulary import label_of
+
+NOTHING = "-"
+#: Columns of a query that names none.
+USUAL = ("gloss_60", "quality")
+LONGEST = 48  #: characters of a cell
+DECIMALS = {"GU": 1, "degrees": 2}
+COLOURS = ("L_star", "a_star", "b_star")
+
+
+def listing(found: Found) -> str:
+    """The whole answer as text: a summary, the table, notes."""
+    lines = [summary(found)]
+    if found.hits:
+        shown = tuple(c for c in found.columns if not c.endswith("_se") or _alone(c, found))
+        names = shown or USUAL
+        columns = [
+            Column("rank", 4), Column("file", left=True), Column("name", left=True),
+            *(Column(_heading(name), left=BY_NAME[name].kind == TEXT) for name in names),
+            *(Column(measure.label) for measure in _measures(found)),
+        ]  # fmt: skip
+        lines.append(table(columns, [_cells(hit, names, found) for hit in found.hits]))
+    left_out = left_out_words(found)
+    lines += [note for note in (*found.notes, left_out and left_out + ".") if note]
+    return "\n".join(lines)
+
+
+def summary(found: Found) -> str:
+    """How many hits there are, of how many files, and their order."""
+    of = f"of {found.searched} file{'' if found.searched == 1 else 's'}"
+    if not found.total:
+        return f"No hits: none {of} meets the query."
+    hits = f"{found.total} hit{'' if found.total == 1 else 's'} {of}"
+    if len(found.hits) < found.total:
+        hits += f", the first {len(found.hits)}"
+    return f"{hits}, {found.order}:"
+
+
+def _alone(column: str, found: Found) -> bool:
+    """Whether a standard error is asked for without its value, which shows it."""
+    return column.removesuffix("_se") not in found.columns
+
+
+def _measures(found: Found) -> list[Measure]:
+    """The numbers of a terminal's table: means of pictures are for JSON and the page."""
+    return [measure for measure in found.measures if not measure.key.endswith("_mean")]
+
+
+def _heading(column: str) -> str:
+    unit = BY_NAME[column].unit
+    return f"{label_of(column)}\n{unit}" if unit else label_of(column)
+
+
+def _cells(hit: Hit, names: tuple[str, ...], found: Found) -> list[str]:
+    cells = [str(hit.rank), printable(hit.path, LONGEST), printable(hit.name, LONGEST)]
+    cells += [value_words(hit.row, name) for name in names]
+    for measure in _measures(found):
+        value = hit.numbers.get(measure.key)
+        cells.append(NOTHING if value is None else f"{value:.{measure.decimals}f}")
+    return cells
+
+
+def value_words(row: Any, column: str) -> str:
+    """A value as people read it, with its standard error where it has one.
+
+    >>> value_words({"gloss_60": 45.26, "gloss_60_se": 0.31}, "gloss_60")
+    '45.3 +- 0.3'
+    """
+    value = row.get(column)
+    if value is None or value == "":
+        return NOTHING
+    kind = BY_NAME[column].kind
+    if kind == FLAG:
+        return "yes" if value else "no"
+    if kind == WHOLE:
+        return str(int(value))
+    if kind != NUMBER:
+        return printable(value, LONGEST)
+    error = row.get(f"{column}_se")
+    words = _number(float(value), column)
+    return words if error is None else f"{words} +- {_number(float(error), column)}"
+
+
+def _number(value: float, column: str) -> str:
+    decimals = DECIMALS.get(BY_NAME[column].unit)
+    if column in COLOURS or column.removesuffix("_se") in ("haze", "doi"):
+        decimals = 1
+    return f"{value:.3g}" if decimals is None else f"{value:.{decimals}f}"

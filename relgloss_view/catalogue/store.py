@@ -1,0 +1,164 @@
+"""The store of a catalogue: what was made of each file, kept from build to build.
+
+A record is one file, named by a digest of what decides it: the bytes of the sample's file, its own
+name and how it is fitted. So a file that has moved is not fitted again, and equal files share a
+record. Its first line is the SHA-256 of the rest; a record that is not whole counts as none. So no
+record waits for the disk, and whatever ends the program costs the item in hand at most.
+"""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import hashlib
+import json
+import os
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.interruptions import checkpoint
+from relgloss_view.base.reading import named
+from relgloss_view.catalogue.columns import DONE, TABLE
+from relgloss_view.catalogue.item import OF_FILE, OF_MACHINE, Fitted, Item
+from relgloss_view.catalogue.recipe import REVISION, Recipe
+from relgloss_view.catalogue.tree import Entry
+
+ITEMS = "items"
+PART = ".part"  #: of files that are not whole yet
+HIDDEN = ("path", "material", "bytes")  #: columns that belong to a place in the tree
+MOST_BYTES = 64 << 20  #: of a record
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What is known of a record before it is read: enough to plan with."""
+
+    look: str  #: the recipe's of_look
+    failed_in: str
+
+    def is_current(self, recipe: Recipe) -> bool:
+        """Whether a build with this recipe takes it as it is."""
+        if self.failed_in == OF_MACHINE:
+            return False
+        return self.failed_in == OF_FILE or self.look == recipe.of_look
+
+
+def key_of(entry: Entry, recipe: Recipe) -> str:
+    """The name of a file's record."""
+    fit = recipe.of_fit if entry.kind == TABLE else str(REVISION)
+    name = os.path.basename(entry.file)
+    parts = [entry.kind.encode(), entry.sha256.encode(), fit.encode(), os.fsencode(name)]
+    return hashlib.sha256(b"\0".join(parts)).hexdigest()
+
+
+class Store:
+    """The records in a catalogue's folder. One program at a time writes; see build.py."""
+
+    def __init__(self, catalogue: Path) -> None:
+        self.folder = catalogue / ITEMS
+        self._catalogue = catalogue
+
+    def kept(self, key: str) -> Kept | None:
+        """A record's state; None where there is none that is whole."""
+        lines = self._lines(key)
+        if lines is None:
+            return None
+        head = json.loads(lines[0])
+        return Kept(head["look"], head["failed_in"])
+
+    def item(self, key: str) -> Item | None:
+        """A record; its row has no place in the tree. None where there is none that is whole."""
+        lines = self._lines(key)
+        if lines is None:
+            return None
+        head, body = json.loads(lines[0]), json.loads(lines[1])
+        row = body["row"]
+        if row.get("thumbnail") is not None:
+            row["thumbnail"] = base64.b64decode(row["thumbnail"])
+        fitted = None if body["fitted"] is None else Fitted(**body["fitted"])
+        material = fitted.material if fitted is not None and row["status"] == DONE else None
+        return Item(row, material, fitted, head["failed_in"], body["driver"])
+
+    def put(self, key: str, item: Item, recipe: Recipe) -> None:
+        """Keep an item. Raises InputError where it can't be written."""
+        row = {name: value for name, value in item.row.items() if name not in HIDDEN}
+        if row.get("thumbnail") is not None:
+            row["thumbnail"] = base64.b64encode(row["thumbnail"]).decode("ascii")
+        fitted = None if item.fitted is None else vars(item.fitted)
+        head = {"look": recipe.of_look, "failed_in": item.failed_in}
+        body = {"row": row, "fitted": fitted, "driver": item.driver}
+        data = b"\n".join(_json(part) for part in (head, body))
+        whole = hashlib.sha256(data).hexdigest().encode() + b"\n" + data
+        put_whole(self._place(key), whole, self._catalogue)
+
+    def tidy(self, keys: Collection[str]) -> None:
+        """Remove all records but these, and what a killed program has left."""
+        for folder in _folders(self.folder):
+            for name in os.listdir(folder):
+                checkpoint()
+                if name.removesuffix(".json") not in keys:
+                    with contextlib.suppress(OSError):
+                        os.unlink(folder / name)
+            with contextlib.suppress(OSError):  # it holds records
+                os.rmdir(folder)
+
+    def _place(self, key: str) -> Path:
+        return self.folder / key[:2] / f"{key}.json"
+
+    def _lines(self, key: str) -> list[bytes] | None:
+        """Head and body of a record that is whole."""
+        try:
+            with open(self._place(key), "rb") as file:
+                data = file.read(MOST_BYTES)
+        except OSError:
+            return None
+        digest, _, rest = data.partition(b"\n")
+        if hashlib.sha256(rest).hexdigest().encode() != digest:
+            return None
+        return rest.split(b"\n", 1)
+
+
+def put_whole(path: Path, data: bytes, named_as: Path) -> None:
+    """Write a file of a catalogue so that it is there whole or not at all.
+
+    named_as: what a message names. Raises InputError where it can't be written; the file keeps its
+    former content then.
+    """
+    part = path.with_name(f".{path.name[:40]}{PART}")
+    with faults_of(named_as):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            with open(part, "wb") as file:
+                file.write(data)
+            os.replace(part, path)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                os.unlink(part)
+            raise
+
+
+@contextlib.contextmanager
+def faults_of(catalogue: Path) -> Iterator[None]:
+    """What prevents writing within the block, as one line that names the catalogue."""
+    try:
+        yield
+    except OSError as error:
+        reason = os.strerror(error.errno) if error.errno else str(error)
+        raise InputError(
+            f"{named(catalogue)}: can't be written ({reason}); make room there, then build again: "
+            "what is done is kept"
+        ) from error
+
+
+def _json(content: dict[str, Any]) -> bytes:
+    return json.dumps(content, allow_nan=False, separators=(",", ":")).encode("ascii")
+
+
+def _folders(folder: Path) -> list[Path]:
+    try:
+        return sorted(path for path in folder.iterdir() if path.is_dir())
+    except OSError:
+        return []

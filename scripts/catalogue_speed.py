@@ -1,0 +1,188 @@
+"""Time the engines of a catalogue on tables with a known truth, in turns inside one run.
+
+    python scripts/catalogue_speed.py [--tables N] [--rounds N] [--empty N]
+
+Prints: what a table costs by stage; one process of the engine against the plain loop (at most 5 %
+more); two processes against one (at least 1.8 x); the engine alone, with empty items, and the
+memory of the program that drives it (at most 500 MB at 10,000 items). A run's first second, in
+which the processes start, is given by itself. Let nothing else run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import pickle
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from relgloss_view import fit_material, read_measurement
+from relgloss_view.base.terminal import Column, table
+from relgloss_view.bench.verdicts.judging import SOUND, table_of
+from relgloss_view.catalogue.columns import TABLE
+from relgloss_view.catalogue.engine import EngineOptions, Task, run
+from relgloss_view.catalogue.item import Item
+from relgloss_view.catalogue.look import draw, match_of, numbers_of
+from relgloss_view.catalogue.recipe import Recipe
+from relgloss_view.catalogue.work import digest_of, make_item, renderer
+from relgloss_view.picture.output.png import png_bytes
+
+SEED = 20
+RESULT_BYTES = 20_000  #: of an empty item
+RECIPE = Recipe()
+
+
+def empty(number: int) -> tuple[int, bytes]:
+    """An item that costs nothing."""
+    return number, bytes(RESULT_BYTES)
+
+
+def tree_of(folder: Path, count: int) -> list[Path]:
+    """Write tables of different samples, grids and noise."""
+    paths = []
+    for k in range(count):
+        paths.append(folder / f"{k:04d}.csv")
+        table_of(SEED, SOUND, k, None).write(paths[-1])
+    return paths
+
+
+def tasks_of(paths: list[Path]) -> list[Task]:
+    """The tasks that a build has for them."""
+    return [
+        Task(
+            path.name, path.name, make_item, (str(path), path.name, TABLE, digest_of(path), RECIPE)
+        )
+        for path in paths
+    ]
+
+
+def timed(
+    tasks: list[Task], workers: int, *, loop: bool = False
+) -> tuple[float, float, list[Item]]:
+    """Seconds until the first item is done, seconds after it, and the items in the tasks' order."""
+    begun_s = time.perf_counter()
+    first_s = 0.0
+    made: dict[str, Item] = {}
+
+    def done(task: Task, item: Any) -> None:
+        nonlocal first_s
+        first_s = first_s or time.perf_counter()
+        made[task.key] = item
+
+    # One worker alone is the plain loop; on processes is what the engine does with more.
+    if loop:
+        run(tasks, done, EngineOptions(workers=1))
+    else:
+        from relgloss_view.catalogue.cluster import on_processes
+
+        on_processes(tasks, done, EngineOptions(workers=workers))
+    end_s = time.perf_counter()
+    return first_s - begun_s, end_s - first_s, [made[task.key] for task in tasks]
+
+
+def stages(paths: list[Path]) -> list[tuple[str, str]]:
+    """Milliseconds of a table by stage (mean), in this process; then its bytes."""
+    spent: dict[str, float] = {}
+
+    def step(name: str, work: Callable[[], Any]) -> Any:
+        begun_s = time.perf_counter()
+        result = work()
+        spent[name] = spent.get(name, 0.0) + time.perf_counter() - begun_s
+        return result
+
+    made = renderer()
+    for path in paths:
+        measurement = step("read", partial(read_measurement, path))
+        material = step("fit", partial(fit_material, measurement))
+        step("meter", partial(numbers_of, material, RECIPE))
+        matched = step("match", partial(match_of, material, RECIPE, 0.0))
+        look = partial(draw, material, RECIPE, made, sigma_n_deg=0.0, matched=matched)
+        step("picture file", partial(png_bytes, step("draw", look)))
+    rows = [(name, f"{1e3 * s / len(paths):.1f} ms") for name, s in spent.items()]
+    rows.append(("all stages", f"{1e3 * sum(spent.values()) / len(paths):.1f} ms"))
+    return rows
+
+
+def memory_of(count: int) -> tuple[float, float]:
+    """Megabytes (VmHWM) and items a second of a program that drives `count` empty items."""
+    program = (
+        "import time, catalogue_speed as speed\n"
+        "from relgloss_view.catalogue.engine import EngineOptions, Task, run\n"
+        f"tasks = (Task(str(n), 'empty', speed.empty, (n,)) for n in range({count}))\n"
+        "ends = []\n"
+        "run(tasks, lambda *_: ends.append(time.perf_counter()), EngineOptions(workers=2))\n"
+        f"assert len(ends) == {count}\n"
+        "print(open('/proc/self/status').read().split('VmHWM:')[1].split()[0])\n"
+        "print((len(ends) - 1) / (ends[-1] - ends[0]))\n"
+    )
+    words = [sys.executable, "-c", program]
+    printed = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()
+    return float(printed[0]) / 1000.0, float(printed[1])
+
+
+def main() -> int:
+    """Measure and print; 1 where a figure is missed."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    add = parser.add_argument
+    add("--tables", type=int, default=40, metavar="N", help="Number of tables (default 40)")
+    add("--rounds", type=int, default=3, metavar="N", help="Number of turns (default 3)")
+    add("--empty", type=int, default=10_000, metavar="N", help="Number of empty items")
+    args = parser.parse_args()
+    here = str(Path(__file__).resolve().parent)
+    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (here, os.environ.get("PYTHONPATH"))))
+    with tempfile.TemporaryDirectory() as folder:
+        paths = tree_of(Path(folder), args.tables)
+        tasks = tasks_of(paths)
+        timed(tasks[:2], 1, loop=True)  # imports, the first compilation of shaders
+        print(table([Column("stage", left=True), Column("a table")], stages(paths)))
+        runs: dict[str, list[tuple[float, float]]] = {"loop": [], "one": [], "two": []}
+        items: dict[str, list[Item]] = {}
+        for _ in range(args.rounds):
+            for name, workers in (("loop", 0), ("one", 1), ("two", 2)):
+                start_s, rest_s, items[name] = timed(tasks, workers, loop=not workers)
+                runs[name].append((start_s, rest_s))
+    assert items["loop"] == items["one"] == items["two"]
+    size = statistics.mean(len(pickle.dumps(item)) for item in items["loop"])
+    print(f"an item is {size / 1000:.1f} kB on its way; all three engines made the same items")
+    median = {name: statistics.median(rest for _, rest in runs[name]) for name in runs}
+    start = {name: statistics.median(first for first, _ in runs[name]) for name in runs}
+    rows = [
+        (name, f"{start[name]:.2f} s", f"{1e3 * median[name] / (len(tasks) - 1):.1f} ms")
+        for name in runs
+    ]
+    print(table([Column("engine", left=True), Column("first item"), Column("each more")], rows))
+    overhead = statistics.median(
+        b[1] / a[1] - 1.0 for a, b in zip(runs["loop"], runs["one"], strict=True)
+    )
+    gain = statistics.median(a[1] / b[1] for a, b in zip(runs["one"], runs["two"], strict=True))
+    megabytes, rate = memory_of(args.empty)
+    figures = (
+        (
+            "one process against the plain loop",
+            f"{100 * overhead:+.1f} %",
+            "at most +5 %",
+            overhead <= 0.05,
+        ),
+        ("two processes against one", f"{gain:.2f} x", "at least 1.8 x", gain >= 1.8),
+        (
+            f"memory of the driver, {args.empty} items",
+            f"{megabytes:.0f} MB",
+            "at most 500 MB",
+            megabytes <= 500,
+        ),
+        ("empty items in a second, two processes", f"{rate:.0f}", "", True),
+    )
+    heads = [Column("figure", left=True), Column("here"), Column("wanted"), Column("")]
+    print(table(heads, [(*row, "" if good else "MISSED") for *row, good in figures]))
+    return 0 if all(good for *_, good in figures) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

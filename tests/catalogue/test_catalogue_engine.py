@@ -1,0 +1,303 @@
+"""The engines of a catalogue: same results, whatever dies; nothing is left behind."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import catalogue_tasks as work
+import psutil
+import pytest
+
+from relgloss_view.base.errors import GLUnavailableError, InputError
+from relgloss_view.catalogue import cluster, cluster_processes, cluster_worker
+from relgloss_view.catalogue.cluster_worker import Program, Refused, perform, this_program
+from relgloss_view.catalogue.engine import EngineOptions, Lost, Task, run
+from relgloss_view.catalogue.one_thread import thread_counts
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+TWO = EngineOptions(workers=2)
+ENDED_S = 10.0  #: so long processes may take to end
+
+
+@pytest.fixture(autouse=True)
+def tasks_reach_workers(monkeypatch):
+    """Workers can import the tasks of the tests."""
+    monkeypatch.setenv("PYTHONPATH", f"{ROOT}{os.pathsep}{HERE}")
+
+
+def results(tasks, options, step=None):
+    """What `done` got, by key; each key once."""
+    got = {}
+
+    def done(task, result):
+        assert task.key not in got
+        got[task.key] = result
+        if step is not None:
+            step()
+
+    run(tasks, done, options)
+    return got
+
+
+def workers_of(pid):
+    """The worker processes below a process."""
+    try:
+        children = psutil.Process(pid).children(recursive=True)
+    except psutil.NoSuchProcess:
+        return []
+    alive = []
+    for child in children:
+        try:
+            if cluster_worker.__name__ in child.cmdline():
+                alive.append(child)
+        except psutil.Error:
+            continue
+    return alive
+
+
+def wait_until(condition, longest_s=ENDED_S):
+    """Whether a condition comes true in time."""
+    end_s = time.monotonic() + longest_s
+    while time.monotonic() < end_s:
+        if condition():
+            return True
+        time.sleep(0.05)
+    return condition()
+
+
+def test_processes_give_what_the_loop_gives(tmp_path, monkeypatch):
+    """Same results; loopback alone; one thread each; no file where the program was started."""
+    monkeypatch.chdir(tmp_path)
+    listening = set()
+
+    def look():
+        for process in [psutil.Process(), *workers_of(os.getpid())]:
+            for socket in process.net_connections(kind="inet"):
+                if socket.status == psutil.CONN_LISTEN:
+                    listening.add(socket.laddr.ip)
+
+    tasks = [*work.tasks_of(work.square, range(30)), *work.tasks_of(work.place, range(10))]
+    loop = results(tasks, EngineOptions(workers=1))
+    processes = results(tasks, TWO, look)
+    assert list(loop) == [task.key for task in tasks]
+    assert loop.keys() == processes.keys()
+    for key in (task.key for task in tasks[:30]):
+        assert processes[key] == loop[key]
+    threads = {}
+    for key in (task.key for task in tasks[30:]):
+        pid, thread, folder, variables = processes[key]
+        assert pid != os.getpid()
+        assert Path(folder) != tmp_path
+        assert threads.setdefault(pid, thread) == thread
+        assert variables["LP_NUM_THREADS"] == variables["OMP_NUM_THREADS"] == "1"
+    assert listening == {"127.0.0.1"}
+    assert not workers_of(os.getpid())
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_task_that_kills_its_worker_is_lost_alone():
+    """Its neighbours, which died with it, are done."""
+    tasks = [
+        *work.tasks_of(work.square, range(6)),
+        *work.tasks_of(work.deadly, [7]),
+        *work.tasks_of(work.square, range(8, 20)),
+    ]
+    got = results(tasks, TWO)
+    lost = got.pop("deadly 7")
+    assert isinstance(lost, Lost)
+    assert 3 <= lost.tries <= 6
+    assert lost.fault.count("\n") == 0
+    assert got == {f"square {n}": work.square(n) for n in range(20) if n not in (6, 7)}
+
+
+def test_a_task_that_takes_all_memory_is_lost(monkeypatch):
+    monkeypatch.setattr(cluster_processes, "MEMORY_SHARE", 1.0)
+    monkeypatch.setattr("distributed.system.MEMORY_LIMIT", 1_200_000_000)
+    tasks = [*work.tasks_of(work.greedy, [0]), *work.tasks_of(work.square, range(3))]
+    got = results(tasks, TWO)
+    assert isinstance(got.pop("greedy 0"), Lost)
+    assert got == {f"square {n}": work.square(n) for n in range(3)}
+
+
+def killed(count, tasks, options, pause_s):
+    """Results of a run whose workers are killed at random, and the number of kills."""
+    dice = random.Random(20)
+    kills = []
+    over = threading.Event()
+
+    def killer():
+        while len(kills) < count and not over.wait(dice.uniform(*pause_s)):
+            alive = workers_of(os.getpid())
+            if alive:
+                victim = dice.choice(alive)
+                victim.send_signal(signal.SIGKILL)
+                kills.append(victim.pid)
+
+    thread = threading.Thread(target=killer)
+    thread.start()
+    try:
+        got = results(tasks, options)
+    finally:
+        over.set()
+        thread.join()
+    return got, len(kills)
+
+
+def test_workers_killed_at_random():
+    tasks = work.tasks_of(work.slow_square, range(60), 0.05)
+    got, kills = killed(4, tasks, TWO, (0.5, 1.0))
+    assert kills >= 2
+    assert got == {f"slow_square {n}": work.square(n) for n in range(60)}
+
+
+@pytest.mark.slow
+def test_workers_killed_fifty_times():
+    tasks = work.tasks_of(work.slow_square, range(1500), 0.05)
+    got, kills = killed(50, tasks, TWO, (0.3, 1.5))
+    assert kills == 50
+    assert got == {f"slow_square {n}": work.square(n) for n in range(1500)}
+
+
+DRIVER = """
+import sys
+from relgloss_view.base.interruptions import SIGNALS, Interrupted
+SIGNALS.catch()
+import catalogue_tasks as work
+from relgloss_view.catalogue.engine import EngineOptions, run
+SIGNALS.work()
+try:
+    run(
+        work.tasks_of(work.slow_square, range(1000), 0.1),
+        lambda task, result: print(task.key, flush=True),
+        EngineOptions(workers=2),
+    )
+except Interrupted as error:
+    sys.exit(error.exit_status)
+"""
+
+
+@pytest.mark.parametrize(
+    "number", [signal.SIGKILL, signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]
+)
+def test_no_worker_outlives_the_driver(number, tmp_path):
+    """Killed, it leaves no process; interrupted, it ends with the signal's status and in time."""
+    driver = subprocess.Popen(
+        [sys.executable, "-c", DRIVER],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "TMPDIR": str(tmp_path)},
+    )
+    try:
+        assert driver.stdout is not None
+        assert driver.stdout.readline()
+        workers = workers_of(driver.pid)
+        assert len(workers) == 2
+        begun_s = time.monotonic()
+        driver.send_signal(number)
+        _, err = driver.communicate(timeout=ENDED_S)
+        took_s = time.monotonic() - begun_s
+    finally:
+        driver.kill()
+        driver.wait()
+    assert wait_until(lambda: not any(worker.is_running() for worker in workers))
+    if number == signal.SIGKILL:
+        assert driver.returncode == -signal.SIGKILL
+    else:
+        assert driver.returncode == 128 + number
+        assert took_s < 3.0  # a second Ctrl-C would leave at once: interruptions.AGAIN_S
+        assert err == ""
+        assert list(tmp_path.iterdir()) == []
+
+
+def test_a_bug_keeps_its_name():
+    with pytest.raises(ZeroDivisionError, match="task 3"):
+        results(work.tasks_of(work.wrong, [3]), TWO)
+    assert not workers_of(os.getpid())
+
+
+def test_a_worker_that_cannot_read_is_named(tmp_path):
+    missing = tmp_path / "no such table.csv"
+    with pytest.raises(InputError) as caught:
+        results([Task("a", "no such table.csv", work.text_of, (str(missing),))], TWO)
+    line = str(caught.value)
+    assert line.startswith("worker ")
+    assert str(missing) in line
+    assert "\n" not in line
+
+
+def test_a_worker_that_cannot_draw_ends_the_run():
+    for options in (TWO, EngineOptions(workers=1)):
+        with pytest.raises(GLUnavailableError, match="no OpenGL"):
+            results(work.tasks_of(work.no_context, [0]), options)
+
+
+def test_linear_algebra_has_one_thread_in_every_engine():
+    """Here as well, though it was loaded with as many as there are processors; as before after."""
+    loaded = thread_counts()
+    assert loaded, "the wheels of numpy and scipy bring OpenBLAS"
+    tasks = work.tasks_of(work.blas_threads, range(4))
+    loop, processes = results(tasks, EngineOptions(workers=1)), results(tasks, TWO)
+    assert loop == processes
+    assert {tuple(counts) for counts, _ in loop.values()} == {(1,) * len(loaded)}
+    assert thread_counts() == loaded
+
+
+def test_another_program_is_refused():
+    ours = this_program()
+    task = Task("a", "a.csv", work.square, (2,))
+    assert perform(task, ours) == work.square(2)
+    for other, word in (
+        (Program("0.0.9", ours.digest, ours.python, ours.numpy), "relgloss"),
+        (Program(ours.version, "0" * 64, ours.python, ours.numpy), "assets"),
+    ):
+        refused = perform(task, other)
+        assert isinstance(refused, Refused)
+        assert refused.fault.startswith("worker ")
+        assert word in refused.fault
+
+
+def test_another_program_ends_the_run(monkeypatch):
+    monkeypatch.setattr(cluster, "this_program", lambda: Program("0.0.9", "0", "3.11", "2"))
+    with pytest.raises(InputError, match=r"worker \d+ .*another program: relgloss .* in place of"):
+        results(work.tasks_of(work.square, range(3)), TWO)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (EngineOptions(workers=0), "expected 1 to"),
+        (EngineOptions(scheduler="localhost:8786"), "expected tcp://HOST:PORT"),
+        (EngineOptions(scheduler="tcp://127.0.0.1:9", patience_s=0.5), "no answer within 0.5 s"),
+    ],
+)
+def test_options_that_lead_nowhere(options, words):
+    with pytest.raises(InputError, match=words):
+        results(work.tasks_of(work.square, range(3)), options)
+
+
+MEMORY = """
+import catalogue_tasks as work
+from relgloss_view.catalogue.engine import EngineOptions, run
+sizes = []
+tasks = (task for n in range(10_000) for task in work.tasks_of(work.heavy, [n], 20_000))
+run(tasks, lambda task, result: sizes.append(len(result[1])), EngineOptions(workers=2))
+assert sizes == [20_000] * 10_000
+print(open("/proc/self/status").read().split("VmHWM:")[1].split()[0])
+"""
+
+
+@pytest.mark.slow
+def test_memory_of_ten_thousand_items():
+    """At most 500 MB in the driver, which never holds more than what is in flight."""
+    words = [sys.executable, "-c", MEMORY]
+    printed = subprocess.run(words, capture_output=True, text=True, check=True)
+    assert int(printed.stdout) < 500_000  # kB

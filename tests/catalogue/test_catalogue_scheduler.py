@@ -1,0 +1,313 @@
+"""The engine on a running Dask cluster: processes of another user, faults of the cluster."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+import catalogue_tasks as work
+import pytest
+
+from relgloss_view.base.errors import InputError
+from relgloss_view.catalogue.cluster_worker import ONE_THREAD
+from relgloss_view.catalogue.engine import EngineOptions, Lost, Task, run
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+NOBODY = 65534
+AS_NOBODY = ("setpriv", f"--reuid={NOBODY}", f"--regid={NOBODY}", "--clear-groups")
+STARTED_S = 60.0
+
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="ends by signals")
+
+
+def elsewhere(home, *packages):
+    """Variables of a process that has another home and the same program, or what is named."""
+    packages = packages or (str(ROOT), str(HERE), sysconfig.get_path("purelib"))
+    kept = {name: value for name, value in os.environ.items() if name not in ONE_THREAD}
+    return {**kept, "HOME": str(home), "PYTHONPATH": os.pathsep.join(packages)}
+
+
+class Cluster:
+    """A scheduler and workers, each started by Dask's own command.
+
+    nobody: the Python that another user starts; None for this user's.
+    """
+
+    def __init__(self, folder, nobody=None):
+        self.folder, self.nobody = folder, nobody
+        self.file = folder / "scheduler.json"
+        self.processes = []
+        self.scheduler = None
+
+    def start(self, *words, packages=()):
+        """Start `dask WORDS` elsewhere: another folder and, where we may, another user."""
+        home = self.folder / "home"
+        home.mkdir(exist_ok=True)
+        command = [sys.executable, "-m", "dask", *words]
+        if self.nobody:
+            for path in (self.folder, home, *self.folder.glob("*.json")):
+                os.chown(path, NOBODY, NOBODY)
+            command = [*AS_NOBODY, self.nobody, *command[1:]]
+        process = subprocess.Popen(
+            command,
+            cwd=home,
+            env=elsewhere(home, *packages),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            process_group=0,
+        )
+        self.processes.append(process)
+        return process
+
+    def start_scheduler(self, port=0, packages=()):
+        """Start the scheduler. Returns its address."""
+        self.file.unlink(missing_ok=True)
+        words = ("--host", "127.0.0.1", "--port", str(port), "--no-dashboard")
+        where = ("--scheduler-file", str(self.file), "--dashboard-address", "127.0.0.1:0")
+        self.scheduler = self.start("scheduler", *words, *where, packages=packages)
+        end_s = time.monotonic() + STARTED_S
+        while time.monotonic() < end_s:
+            with contextlib.suppress(OSError, ValueError):
+                return json.loads(self.file.read_text())["address"]
+            time.sleep(0.05)
+        raise AssertionError("no scheduler has started")
+
+    def start_worker(self, name, *more, packages=()):
+        """Start a worker with one thread."""
+        place = ("--local-directory", str(self.folder / "home"))
+        words = ("--scheduler-file", str(self.file), "--nthreads", "1", "--no-dashboard")
+        return self.start("worker", *words, "--name", name, *place, *more, packages=packages)
+
+    def close(self):
+        """End all processes, with those that they have started."""
+        for process in self.processes:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
+@pytest.fixture
+def cluster_folder():
+    """A folder that every user can reach."""
+    folder = Path(tempfile.mkdtemp(prefix="relgloss-cluster-"))
+    folder.chmod(0o755)
+    yield folder
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+@pytest.fixture
+def cluster(cluster_folder):
+    """A cluster without processes yet."""
+    made = Cluster(cluster_folder)
+    yield made
+    made.close()
+
+
+def results(tasks, options, step=None):
+    """What `done` got, by key; each key once."""
+    got = {}
+
+    def done(task, result):
+        assert task.key not in got
+        got[task.key] = result
+        if step is not None:
+            step()
+
+    run(tasks, done, options)
+    return got
+
+
+def test_a_cluster_gives_what_the_loop_gives(cluster):
+    """A worker with three threads works in one; a deadly task is lost alone."""
+    address = cluster.start_scheduler()
+    cluster.start_worker("one")
+    cluster.start_worker("two", "--nthreads", "3")
+    tasks = [
+        *work.tasks_of(work.square, range(10)),
+        *work.tasks_of(work.place, range(12)),
+        *work.tasks_of(work.square, range(10, 20)),
+    ]
+    options = EngineOptions(scheduler=address, patience_s=STARTED_S)
+    got = results(tasks, options)
+    threads = {}
+    for n in range(12):
+        pid, thread, _, variables = got.pop(f"place {n}")
+        assert threads.setdefault(pid, thread) == thread
+        assert variables["LP_NUM_THREADS"] == "1"
+    assert got == {f"square {n}": work.square(n) for n in range(20)}
+    with pytest.raises(InputError, match=r"worker (one|two) .*no table\.csv"):
+        results([Task("a", "a.csv", work.text_of, ("/no table.csv",))], options)
+
+
+def test_a_lost_scheduler_ends_the_run_after_a_while(cluster):
+    address = cluster.start_scheduler()
+    cluster.start_worker("one")
+    got = {}
+
+    def done(task, result):
+        got[task.key] = result
+        if len(got) == 5:
+            cluster.close()
+
+    started = EngineOptions(scheduler=address, patience_s=STARTED_S)
+    assert len(results(work.tasks_of(work.square, range(3)), started)) == 3
+    begun_s = time.monotonic()
+    tasks = work.tasks_of(work.slow_square, range(200), 0.02)
+    with pytest.raises(InputError) as caught:
+        run(tasks, done, EngineOptions(scheduler=address, patience_s=2.0))
+    assert 2.0 < time.monotonic() - begun_s < 30.0
+    assert "no answer for 2 s" in str(caught.value)
+    assert "what is done is kept" in str(caught.value)
+    assert 5 <= len(got) < 200
+    assert all(got[f"slow_square {result['number']}"] == result for result in got.values())
+
+
+def test_a_cluster_without_workers_ends_the_run(cluster):
+    address = cluster.start_scheduler()
+    with pytest.raises(InputError, match=rf"no worker for 1 s.*dask worker {address} --nthreads 1"):
+        results(
+            work.tasks_of(work.square, range(3)), EngineOptions(scheduler=address, patience_s=1)
+        )
+
+
+def python_of_nobody():
+    """A Python that another user can start and that has this program; None where there is none."""
+    if os.getuid() != 0 or shutil.which("setpriv") is None:
+        return None
+    check = "import os, sys, distributed; import relgloss_view.catalogue.engine; "
+    ours = tuple(sys.version_info[:2])
+    check += f"sys.exit(not os.access(sys.executable, 1) or sys.version_info[:2] != {ours})"
+    for python in (sys.executable, "/usr/bin/python3"):
+        done = subprocess.run(
+            [*AS_NOBODY, python, "-c", check], cwd="/", env=elsewhere("/"), capture_output=True
+        )
+        if done.returncode == 0:
+            return python
+    return None
+
+
+@pytest.mark.slow
+def test_four_workers_of_another_user(cluster_folder):
+    """Files on a shared folder, another home: same results; a file that is not theirs is named."""
+    nobody = python_of_nobody()
+    if nobody is None:
+        pytest.skip("needs root, setpriv and a Python that every user can run")
+    shared = cluster_folder / "shared"
+    shared.mkdir()
+    for n in range(40):
+        (shared / f"{n}.csv").write_text(f"table {n}")
+    private = shared / "private.csv"
+    private.write_text("private")
+    private.chmod(0o600)
+    tasks = [Task(str(n), f"{n}.csv", work.text_of, (str(shared / f"{n}.csv"),)) for n in range(40)]
+    theirs = Cluster(cluster_folder, nobody)
+    try:
+        address = theirs.start_scheduler()
+        for n in range(4):
+            theirs.start_worker(f"w{n}")
+        options = EngineOptions(scheduler=address, patience_s=STARTED_S)
+        assert results(tasks, options) == results(tasks, EngineOptions(workers=1))
+        where = results(work.tasks_of(work.user, range(20)), options)
+        assert set(where.values()) == {(NOBODY, str(cluster_folder / "home"))}
+        with pytest.raises(InputError) as caught:
+            results([Task("p", "private.csv", work.text_of, (str(private),))], options)
+    finally:
+        theirs.close()
+    line = str(caught.value)
+    assert line.startswith("worker w")
+    assert "user nobody" in line
+    assert f"Permission denied: '{private}'" in line
+
+
+@pytest.fixture
+def other_program(tmp_path):
+    """Folders that hide relgloss from a process, or give it another one."""
+
+    def made(version):
+        package = tmp_path / f"with {version}" / "relgloss_view"
+        package.mkdir(parents=True)
+        text = "" if version else "raise ImportError('not installed')"
+        (package / "__init__.py").write_text(text)
+        if version:
+            (package / "base").mkdir()
+            (package / "base" / "version.py").write_text(f"__version__ = {version!r}")
+        return (str(package.parent),)
+
+    return made
+
+
+@pytest.mark.slow
+def test_a_cluster_with_another_program(cluster, other_program):
+    """Worker, then scheduler: one line each, and the workers live on."""
+    address = cluster.start_scheduler()
+    options = EngineOptions(scheduler=address, patience_s=STARTED_S)
+    old = cluster.start_worker("old", packages=other_program("0.0.1"))
+    with pytest.raises(InputError, match=r"worker tcp://\S+ relgloss 0\.0\.1 in place of "):
+        results(work.tasks_of(work.square, range(3)), options)
+    assert old.poll() is None
+    cluster.close()
+    address = cluster.start_scheduler()
+    options = EngineOptions(scheduler=address, patience_s=STARTED_S)
+    bare = cluster.start_worker("bare", packages=other_program(None))
+    with pytest.raises(InputError, match=r"worker tcp://\S+ it has no relgloss"):
+        results(work.tasks_of(work.square, range(3)), options)
+    assert bare.poll() is None
+    cluster.close()
+    address = cluster.start_scheduler(packages=other_program(""))
+    with pytest.raises(InputError, match=f"scheduler {address}: it has no relgloss"):
+        results(work.tasks_of(work.square, range(3)), EngineOptions(scheduler=address))
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_comes_back(cluster):
+    """The run goes on, and every task is done."""
+    address = cluster.start_scheduler()
+    cluster.start_worker("one")
+    port = int(address.rsplit(":", 1)[1])
+    threads = []
+
+    def restart():
+        cluster.close()
+        assert cluster.start_scheduler(port) == address
+        cluster.start_worker("again")
+
+    count = 0
+
+    def step():
+        nonlocal count
+        count += 1
+        if count == 20:
+            threads.append(threading.Thread(target=restart))
+            threads[0].start()
+
+    tasks = work.tasks_of(work.slow_square, range(100), 0.02)
+    got = results(tasks, EngineOptions(scheduler=address, patience_s=STARTED_S), step)
+    threads[0].join()
+    assert got == {f"slow_square {n}": work.square(n) for n in range(100)}
+
+
+@pytest.mark.slow
+def test_a_deadly_task_on_a_cluster(cluster):
+    """Dask tries it on four workers itself; its neighbours are done."""
+    address = cluster.start_scheduler()
+    for name in ("one", "two"):
+        cluster.start_worker(name)
+    tasks = [
+        *work.tasks_of(work.square, range(6)),
+        *work.tasks_of(work.deadly, [7]),
+        *work.tasks_of(work.square, range(8, 20)),
+    ]
+    got = results(tasks, EngineOptions(scheduler=address, patience_s=STARTED_S))
+    assert isinstance(got.pop("deadly 7"), Lost)
+    assert got == {f"square {n}": work.square(n) for n in (*range(6), *range(8, 20))}
