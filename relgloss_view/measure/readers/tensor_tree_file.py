@@ -16,7 +16,6 @@ from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.xml import line_of
-from relgloss_view.material.spectra import D65_XY, white_from_xy
 from relgloss_view.measure.bands import Bands
 from relgloss_view.measure.gonio import spherical, tabulated_grid
 from relgloss_view.measure.readers.assemble import one_channel
@@ -30,6 +29,8 @@ from relgloss_view.measure.readers.tensor_tree import (
 from relgloss_view.measure.readers.tristimulus import rgb_of
 
 BASIS = "lbnl/shirley-chiu"
+#: XYZ of the perfect diffuser under D65 (CIE 15:2004), which tristimulus.py takes as white.
+D65_WHITE = np.array([0.95046, 1.0, 1.08906])
 VISIBLE, CIE_U, CIE_V = "visible", "cie-u", "cie-v"
 RANKS = {"tensortree3": 3, "tensortree4": 4}
 #: Beside the mirror direction, degrees: a lobe may be narrower than the grid's scan of a degree.
@@ -75,7 +76,7 @@ def tree_readings(structure: str, blocks: dict[str, Element], place: str) -> Rea
     notes = []
     if CIE_U in blocks and CIE_V in blocks:
         u, v = (_tree(blocks[key], rank, place).at(places) for key in (CIE_U, CIE_V))
-        xyz = np.maximum(xyz_of(values, u, v), 0.0) / RADIANCE_WHITE * white_from_xy(D65_XY)
+        xyz = np.maximum(xyz_of(values, u, v), 0.0) / RADIANCE_WHITE * D65_WHITE
         # The sentence about an unknown white is not true here: Radiance's is that of equal energy.
         bands, channels, (_, *more) = rgb_of(xyz)
         notes += more
