@@ -65,7 +65,7 @@ def metal_notes(material: Material) -> tuple[str, ...]:
     if not any(lobe.is_metal for lobe in material.visible_lobes()):
         return ()
     return (
-        "to read it back: relgloss fit --model metal, since a table does not state what is a metal; "
+        "to read it back: relgloss fit --model metal, as a table does not state it; "
         "compare the gloss, because that model has one lobe",
     )
 
