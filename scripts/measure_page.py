@@ -18,7 +18,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "proof"))
+sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 browsers = importlib.import_module("browsers")
 
 SAMPLES = ("matte-coated", "art-coated")

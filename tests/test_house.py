@@ -315,6 +315,8 @@ def test_csv_is_written_in_one_place():
 
 #: Modules that search in a text and put something else there: all of them read, or name a file.
 REPLACING = {
+    "catalogue/proofs.py",  # names of files, in letters that any system takes
+    "catalogue/query/vocabulary.py",  # headings as they are compared
     "base/csv_files.py",  # cells that are read back
     "base/two_columns.py",
     "measure/quantity.py",
@@ -327,7 +329,7 @@ REPLACING = {
     "measure/readers/header.py",
     "measure/readers/headings.py",
     "pack/artwork/pdf_page.py",  # the words of a page
-    "proof/page/build.py",  # import lines of our own JavaScript
+    "base/page_scripts.py",  # import lines of our own JavaScript
     "pack/artwork/plate_names.py",  # names as they are compared
     "picture/gpu/constants.py",  # the names of our own choices
     "picture/gpu/shader.py",  # the compiler's log

@@ -208,7 +208,9 @@ def words_of(report: Report, output: str) -> list[str]:
     """A report as lines for people."""
     lines = []
     if report.is_complete:
-        lines.append(f"{report.rows:,} files: {report.done:,} done, {report.failed:,} failed")
+        lines.append(
+            f"{_counted(report.rows, 'file')}: {report.done:,} done, {report.failed:,} failed"
+        )
     work = [
         (report.worked, "read and fitted"),
         (report.drawn_again, "only metered and drawn again"),
@@ -216,9 +218,14 @@ def words_of(report: Report, output: str) -> list[str]:
     ]
     lines.append("; ".join(f"{count:,} {words}" for count, words in work))
     if report.removed:
-        lines.append(f"{report.removed:,} materials of files that are gone: removed")
+        lines.append(f"{_counted(report.removed, 'material')} of files that are gone: removed")
     if report.passed_over:
-        lines.append(f"{report.passed_over:,} files passed over: no table, material or proof")
+        words = _counted(report.passed_over, "file")
+        lines.append(f"{words} passed over: no table, material or proof")
     if report.is_complete:
         lines.append(f"{printable(os.path.join(output, 'catalogue.parquet'))}: written")
     return lines
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count:,} {noun}{'' if count == 1 else 's'}"

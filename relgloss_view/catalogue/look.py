@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from relgloss_view.catalogue.columns import READINGS
+from relgloss_view.catalogue.one_thread import one_thread
 from relgloss_view.catalogue.recipe import Recipe
 from relgloss_view.gloss.match import Reference, full_c, gloss_of, matched_point
 from relgloss_view.gloss.meter.meter import gloss_readings
@@ -61,7 +62,8 @@ def reference_of(recipe: Recipe) -> Reference:
             setting["c_fraction"] = 1.0
         _references.clear()  # one build has one
         sample = SampleLook(label, material, Look(**setting))
-        _references[key] = Reference.of(sample, recipe.gloss)
+        with one_thread():  # its last digits are those of every process
+            _references[key] = Reference.of(sample, recipe.gloss)
     return _references[key]
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
 from relgloss_view.catalogue.query.found import Found, Hit
+from relgloss_view.catalogue.query.terms import GlossRatio
 from relgloss_view.catalogue.query.vocabulary import label_of
 from relgloss_view.picture.output.contact_sheet import INK_GRAY, PAPER_GRAY, contact_sheet
 from relgloss_view.picture.output.lettering import Lettering
@@ -95,8 +96,9 @@ def _numbers(hit: Hit) -> str:
 
 def _note(hits: Sequence[Hit], found: Found) -> str:
     """What the captions mean."""
-    own = any(measure.key == "ratio" for measure in found.measures)
-    reference = found.reference.words if own and found.reference else "the catalogue's reference"
+    ratios = [leaf for leaf in found.query.leaves if isinstance(leaf, GlossRatio)]
+    own = found.references.get(ratios[0].reference.text) if ratios else None
+    reference = own or "the catalogue's reference"
     words = f"GU: {label_of('gloss_60')}. x: gloss over that of {printable(reference, 80)}."
     if any(hit.row.get("is_ratio_kept") is False for hit in hits):
         words += " cut: shown at c_max, with less gloss than the ratio asks for."

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 from typing import TYPE_CHECKING, Any
 
@@ -19,8 +18,6 @@ if TYPE_CHECKING:
     from relgloss_view.catalogue.recipe import Recipe
 
 MOST_FAULTS = 20  #: lines on the terminal; the table has all
-#: Sums of several threads are rounded in another order; a result is the same everywhere.
-ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def add(commands: Any) -> None:
@@ -104,9 +101,6 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Build, print the report; 1 where a file has failed."""
-    if "numpy" not in sys.modules:
-        for name in ONE_THREAD:
-            os.environ.setdefault(name, "1")
     from relgloss_view.catalogue.build import GO_ON, BuildOptions, build, words_of
     from relgloss_view.catalogue.engine import EngineOptions
     from relgloss_view.material.material import INDEX_RANGE
@@ -145,6 +139,7 @@ def run(args: argparse.Namespace) -> int:
 
 def recipe_from(args: argparse.Namespace) -> Recipe:
     """The recipe of the command line; InputError where the reference is none."""
+    from relgloss_view.catalogue.one_thread import one_thread
     from relgloss_view.catalogue.recipe import Recipe
     from relgloss_view.commands.sample_arguments import sample_argument
     from relgloss_view.gloss.match import absolute_c
@@ -164,12 +159,14 @@ def recipe_from(args: argparse.Namespace) -> Recipe:
     fit: dict[str, Any] = {} if args.model == "auto" else {"model": args.model}
     if args.refractive_index is not None:
         fit["refractive_index"] = args.refractive_index
+    with one_thread():
+        c = absolute_c(sample.look, sample.material)
     full = sample.look.c is None and sample.look.setting.c_fraction == FULL_SHARE
     content = json.loads(json.dumps(material_to_dict(sample.material)))
     return Recipe(
         reference=name if name in SAMPLES else content,
         reference_sigma_n_deg=sample.look.sigma_n_deg,
-        reference_c=None if full else absolute_c(sample.look, sample.material),
+        reference_c=None if full else c,
         gloss=args.gloss,
         fit=fit,
         table={key: value for key, value in table_options(args).items() if value is not None},

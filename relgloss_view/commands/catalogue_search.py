@@ -38,7 +38,7 @@ def add(commands: Any) -> None:
         "'first N'. Without QUERY every sample is a hit. docs/catalogue.md has all phrases.",
         epilog="examples: relgloss catalogue search stock 'gloss 60 between 40 and 50 and colour "
         "within dE 3 of 50 20 10'; relgloss catalogue search stock 'looks 0.7 x as glossy as "
-        "cast-coated within 5 %%' -o hits.png --page hits.html",
+        "cast-coated within 5 %' -o hits.png --page hits.html",
     )
     parser.add_argument("catalogue", metavar="CATALOGUE", help="Folder of the catalogue")
     parser.add_argument(

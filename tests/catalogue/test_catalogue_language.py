@@ -257,6 +257,7 @@ FAULTS = [
     ("40 < gloss 60 < 50", (0, 2), "between 40 and 50"),
     ("not quality good or poor", (20, 24), "not a known word here"),
     ("gloss 60 desc", (0, 13), "sort by gloss 60 descending"),
+    ("colour near 7", (13, 13), "a name of digits needs quotation marks"),
     ("sort by glos", (8, 12), "did you mean"),
     ("sort by closeness", (0, 17), "close to"),
     ("first 0", (6, 7), "whole number"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import time
 
 import numpy as np
 import pytest
@@ -226,3 +227,26 @@ class TestProofs:
         reference, test = proof.sent.reference, proof.sent.test
         assert reference.c != test.c
         assert (tmp_path / MANIFEST).is_file()
+
+
+@pytest.mark.slow
+class TestTenThousand:
+    MOST_S = 10.0  #: of processor time; two cores alone take 2 s
+
+    def test_thumbnails_are_compared_in_time(self):
+        """Processor time, because others may be at work: the thumbnails are real pictures' size."""
+        with open_renderer() as renderer:
+            picture = Drawer(Recipe(), renderer).draw(load_sample("art-coated"), (PX, PX)).display
+        thumbnails, rows = {}, []
+        for k in range(10_000):
+            data = io.BytesIO()
+            Image.fromarray(np.roll(picture, k % 3, -1) ^ np.uint8(k % 251)).save(data, "PNG")
+            path = f"{k:05}.csv"
+            thumbnails[path] = data.getvalue()
+            rows.append({"path": path})
+        searcher = Searcher(MemoryCatalogue(rows, {}, thumbnails))
+        start = time.process_time()
+        found = searcher.search("nearest to 00005.csv first 3")
+        assert time.process_time() - start < self.MOST_S
+        assert found.hits[0].path == "00005.csv"
+        assert found.total == 10_000

@@ -262,6 +262,13 @@ class TestNames:
         found = search(MemoryCatalogue(rows), "colour near blue VARNISH")
         assert found.reference.words == "item x/7.csv"
 
+    @pytest.mark.parametrize("name", ["x/y/7.csv", "7.csv", '"7"', "Seven", "X/Y/7.CSV"])
+    def test_every_way_to_name_a_file(self, name):
+        colour = {"L_star": 50.0, "a_star": 0.0, "b_star": 0.0}
+        rows = [*self.ROWS, {**gray("x/y/7.csv"), "name": "seven", **colour}]
+        found = search(MemoryCatalogue(rows), f"colour near {name}")
+        assert found.reference.words == "item x/y/7.csv"
+
     def test_letters_of_any_kind(self):
         catalogue = MemoryCatalogue(self.ROWS)
         assert paths(search(catalogue, "name contains STRASSE")) == ["Straße.csv"]
@@ -296,6 +303,10 @@ class TestAnswers:
         content = json.loads(json.dumps(found.as_json(), allow_nan=False))
         assert (content["total"], len(content["hits"])) == (2, 1)
         assert set(content["hits"][0]) == {"rank", "numbers", *NAMES} - {"thumbnail"}
+
+    def test_json_holds_no_infinity(self):
+        found = search(MemoryCatalogue([gray("a.csv", c_spread=float("inf"))]), "")
+        assert found.as_json()["hits"][0]["c_spread"] is None
 
     def test_an_empty_catalogue(self):
         found = search(MemoryCatalogue([]), "gloss 60 > 20 and name contains x")

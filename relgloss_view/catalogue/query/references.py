@@ -57,7 +57,7 @@ class Resolved:
 
 
 def resolved(name: ReferenceName, catalogue: Searched, values: Values, text: str) -> Resolved:
-    """The sample of a name: by file, by name, by file without folder and ending, then outside.
+    """The sample of a name: by file, by name, by file without folder, without ending, outside.
 
     text: of the query, for messages. Raises QueryError where there is no such sample or several.
     """
@@ -66,6 +66,7 @@ def resolved(name: ReferenceName, catalogue: Searched, values: Values, text: str
     for candidates in (
         [k for k, path in enumerate(paths) if path == wanted],
         [k for k, one in enumerate(values.texts("name")) if one == wanted],
+        [k for k, path in enumerate(paths) if path and posixpath.basename(path) == wanted],
         [k for k, path in enumerate(paths) if path and _stem(path) == wanted],
     ):
         if len(candidates) > 1:

@@ -173,7 +173,12 @@ def _lab(scanner: Scanner) -> tuple[float, float, float]:
         if axis:
             scanner.take(BETWEEN)
         scanner.take(AXES[axis])
-        values.append(scanner.number(("L*", "a*", "b*")[axis]))
+        if not scanner.has_number():
+            raise scanner.fault(
+                f"expected {('L*', 'a*', 'b*')[axis]}",
+                "write three numbers such as 50 20 10; a name of digits needs quotation marks",
+            )
+        values.append(scanner.number("a number"))
     if opened:
         scanner.take(re.compile(r"\)"))
     if not 0.0 <= values[0] <= 100.0 or max(abs(values[1]), abs(values[2])) > 200.0:
