@@ -1,9 +1,10 @@
 """Measure the window: what a drag, a start and an hour of it cost on this machine.
 
-Usage: python scripts/measure_viewer.py [drag] [pack] [display] [start] [idle] [soak]
-                                       [--frames N] [--profile FILE]
+Usage: python scripts/measure_viewer.py [drag] [pack] [display] [catalogue] [start] [idle] [soak]
+                                       [--frames N] [--profile FILE] [--items N]
 
 `display` drags c for sRGB and for the displays of --profile, which may be given several times.
+`catalogue` opens a catalogue of N made items, scrolls through it and types into its search.
 `pack` drags on a can with an ink, a spot varnish and an artwork of 4096 x 4096 pixels.
 
 Everything runs on GLFW's null platform but `idle`, which needs a display. Times are of whole
@@ -29,6 +30,8 @@ import numpy as np
 PICTURE_PX = 640
 WARM_UP = 15
 DRAG_FRAMES = 120
+CATALOGUE_ITEMS, PHASE_FRAMES = 10_000, 200
+TYPED = "gloss 60 between 40 and 50 and quality good, sort by haze"
 SOAK_FRAMES, RESIZES, SWITCHES = 20_000, 1_000, 1_000
 
 
@@ -36,12 +39,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("what", nargs="*", default=["drag", "start"])
     parser.add_argument("--frames", type=int, default=SOAK_FRAMES)
+    parser.add_argument("--items", type=int, default=CATALOGUE_ITEMS)
     parser.add_argument("--profile", action="append", default=[])
     args = parser.parse_args()
     for name in args.what:
         modes: dict[str, Callable[[], None]] = {
             "drag": drag,
             "pack": pack,
+            "catalogue": partial(catalogue, args.items),
             "display": partial(display, args.profile),
             "start": start,
             "idle": idle,
@@ -150,6 +155,79 @@ def _drag(state: Any, changes: dict[str, Any]) -> None:
 def _window_for(picture_px: int) -> tuple[int, int]:
     """The window whose pictures have this size, panels as at the first start."""
     return 2 * picture_px + 24 + 378, picture_px + 48
+
+
+def catalogue(items: int) -> None:
+    """Frames while a catalogue is opened, scrolled through by the wheel, and searched."""
+    from pathlib import Path
+
+    from imgui_bundle import imgui
+
+    from relgloss_view.viewer.shell.app import App
+    from relgloss_view.viewer.shell.window import Window
+    from relgloss_view.viewer.state.state import State
+
+    class Timed(App):
+        """Goes from phase to phase as a hand would; notes the time of every frame."""
+
+        phase, step, last_s = "nothing", 0, 0.0
+
+        def __init__(self, folder: str) -> None:
+            super().__init__(State.initial())
+            self.folder = folder
+            self.times: dict[str, list[float]] = {}
+            self.most_kept = 0
+            self.layout.focus("Catalogue")
+
+        def frame(self) -> None:
+            many, self.step = self.files.catalogue, self.step + 1
+            count = self.step
+            if self.phase == "nothing" and count > PHASE_FRAMES:
+                self.begin("opening")
+                many.open(self.folder)
+            elif self.phase == "opening" and many.found is not None:
+                self.begin("scrolling")
+            elif self.phase == "scrolling":
+                size = imgui.get_main_viewport().size
+                imgui.get_io().add_mouse_pos_event(0.3 * size.x, size.y - 60.0)
+                imgui.get_io().add_mouse_wheel_event(0.0, -3.0)
+                if count > 2 * PHASE_FRAMES:
+                    self.begin("typing")
+            elif self.phase == "typing" and count % 4 == 0:
+                many.ask(text=TYPED[: count // 4])
+                if count > 4 * len(TYPED) and not many.searching:
+                    self.begin("over")
+                    self.quit()
+            super().frame()
+
+        def begin(self, phase: str) -> None:
+            self.phase, self.step = phase, 0
+
+        def after_frame(self, frame_s: float) -> bool:
+            assert self.pair_renderer is not None
+            self.pair_renderer.ctx.finish()
+            now_s = time.perf_counter()
+            self.most_kept = max(self.most_kept, self.files.catalogue.thumbnails.count)
+            if self.last_s:
+                self.times.setdefault(self.phase, []).append(now_s - self.last_s)
+            self.last_s = now_s
+            return True
+
+    with tempfile.TemporaryDirectory() as folder:
+        many = os.path.join(folder, "many")
+        maker = Path(__file__).with_name("made_catalogue.py")
+        # In a process of its own, so that the first import of pyarrow is measured too.
+        subprocess.run([sys.executable, str(maker), many, str(items)], check=True)
+        app = Timed(many)
+        Window(app, (1280, 800), headless=True).run(100_000)
+    for phase in ("nothing", "opening", "scrolling", "typing"):
+        ms = 1e3 * np.array(app.times[phase][WARM_UP if phase == "nothing" else 0 :])
+        print(
+            f"catalogue of {items} items, {phase}: {len(ms)} frames in {ms.sum() / 1e3:.1f} s, "
+            f"median {np.median(ms):.1f} ms, p99 {np.percentile(ms, 99):.1f} ms, longest "
+            f"{ms.max():.1f} ms"
+        )
+    print(f"memory {_memory_mb():.0f} MB, at most {app.most_kept} thumbnails on the device")
 
 
 def start() -> None:

@@ -88,8 +88,11 @@ def read_rows(path: Path, names: Collection[str] | None = None) -> list[dict[str
     wanted = [name for name in NAMES if name != "thumbnail" and (names is None or name in names)]
     if names is not None and "thumbnail" in names:
         wanted.append("thumbnail")
+    rows: list[dict[str, Any]] = []
     with _opened(path) as file:
-        rows: list[dict[str, Any]] = file.read(columns=wanted).to_pylist()
+        # In parts: pyarrow keeps all other threads from working while it makes values of a table.
+        for k in range(file.num_row_groups):
+            rows += file.read_row_group(k, columns=wanted).to_pylist()
     return rows
 
 

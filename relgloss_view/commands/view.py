@@ -41,7 +41,7 @@ def add(commands: Any) -> None:
         metavar="FILE",
         nargs="*",
         help="Proof (.html), scene, material, measured table, pack file, artwork, mesh, display "
-        "(ICC profile or display file), or the name of a built-in paper",
+        "(ICC profile or display file), the folder of a catalogue, or the name of a built-in paper",
     )
     add_colour_options(parser)
     for flag, entry in DISPLAYS.items():
@@ -229,6 +229,8 @@ def _show(app: App, opened: list[Opened], colour: Colour | None, displays: dict[
             app.files.scene_path = None if one.proof is not None else one.path
         if one.proof is not None:
             app.files.proofs.opened(one.proof)
+        if one.catalogue is not None:
+            app.files.catalogue.take(one.catalogue)
         if one.warning:
             app.model.report(one.warning, fault=True)
     for one in opened:
@@ -264,10 +266,15 @@ def _check_files(files: list[str]) -> None:
     """Raise InputError for too many files before the first is fitted, which takes a while."""
     from relgloss_view.pack.kinds import ARTWORK, PACK
     from relgloss_view.picture.scene.file_kinds import SCENE
+    from relgloss_view.viewer.files.catalogue_files import catalogue_folder
     from relgloss_view.viewer.files.display_files import is_display_file
     from relgloss_view.viewer.files.pack_files import MESH, file_kind
     from relgloss_view.viewer.files.proof_files import PROOF, is_proof_file
 
+    catalogues = sum(catalogue_folder(file) is not None for file in files)
+    if catalogues > 1:
+        raise InputError(f"{catalogues} catalogues given: expected at most 1")
+    files = [file for file in files if catalogue_folder(file) is None]
     displays = sum(is_display_file(file) for file in files)
     if displays > 1:
         raise InputError(f"{displays} displays given: expected at most 1")

@@ -1,5 +1,5 @@
 """Opening a file in the background: a scene, a proof, a display, a pack, artwork, a mesh, a
-material, or a measurement, which is fitted first.
+material, a catalogue, or a measurement, which is fitted first.
 
 A thread does it and leaves the fit itself to a process (see fit_process.py). What is cancelled is
 done with at once and leaves no file.
@@ -23,10 +23,11 @@ from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.scene.file_kinds import MATERIAL, SCENE
 from relgloss_view.picture.scene.sample import Sample
-from relgloss_view.viewer.files import display_files, pack_files, proof_files
+from relgloss_view.viewer.files import catalogue_files, display_files, pack_files, proof_files
 from relgloss_view.viewer.files.fit_process import FitProcess
 from relgloss_view.viewer.files.own_materials import keep_material
 from relgloss_view.viewer.state import matching, packs
+from relgloss_view.viewer.state.catalogues import OpenCatalogue
 from relgloss_view.viewer.state.places import data_folder
 from relgloss_view.viewer.state.proofs import OpenProof
 from relgloss_view.viewer.state.state import State
@@ -50,6 +51,7 @@ class Opened:
     shape: Shape | None = None
     proof: OpenProof | None = None  #: whose newest message the state shows
     display: str = ""  #: the entry that an ICC profile or a display file is for
+    catalogue: OpenCatalogue | None = None  #: of a catalogue, which changes no picture
 
     @property
     def is_of_a_pack(self) -> bool:
@@ -64,6 +66,8 @@ class Opened:
         """
         if self.state is not None:
             return self.state
+        if self.catalogue is not None:
+            return state
         if self.display:
             return display_files.with_display(state, self.display, self.path)
         present = packs.pack_of(state, side)
@@ -167,7 +171,8 @@ class OpenJob:
         result, fault = None, None
         try:
             result = self._open() if self._read is None else self._read(self._report)
-            if self._prepare is not None and not self.cancelled:
+            is_shown = result.catalogue is None
+            if self._prepare is not None and is_shown and not self.cancelled:
                 self._report(1.0, "preparing")
                 self._prepare(result)
         except FitCancelled:
@@ -194,6 +199,9 @@ class OpenJob:
         return "thin out the table" if is_table else "give it fewer pixels or triangles"
 
     def _open(self) -> Opened:
+        if catalogue_files.catalogue_folder(self.path) is not None:
+            catalogue = catalogue_files.opened_catalogue(self.path, self._report)
+            return Opened(self.path, catalogue=catalogue)
         if proof_files.is_proof_file(self.path):
             opened = proof_files.opened_proof(self.path, self._report)
             return Opened(self.path, state=opened.newest, proof=opened)

@@ -13,7 +13,13 @@ from relgloss_view.viewer.drawing import camera
 from relgloss_view.viewer.drawing.arrangement import Arrangement, Rect, as_shown
 from relgloss_view.viewer.drawing.canvas import Canvas, canvas_of
 from relgloss_view.viewer.drawing.pair_renderer import DrawnPair
-from relgloss_view.viewer.panels import artwork_hand, captions, ghost_outlines, mask_tints
+from relgloss_view.viewer.panels import (
+    artwork_hand,
+    captions,
+    drop_hand,
+    ghost_outlines,
+    mask_tints,
+)
 from relgloss_view.viewer.shell import sliders
 from relgloss_view.viewer.shell.theme import em, gray
 from relgloss_view.viewer.state.model import Model, Pixel
@@ -31,9 +37,14 @@ class DrawnPane:
     pair: DrawnPair
 
 
-def show(model: Model, draw: Callable[[Size], DrawnPane | None]) -> Canvas:
+def show(
+    model: Model,
+    draw: Callable[[Size], DrawnPane | None],
+    drop: Callable[[str], None] = lambda side: None,
+) -> Canvas:
     """Show the pictures and take the hand on them; `draw` makes them for a size in pixels.
 
+    drop: called with the side on whose picture a sample was dropped.
     Returns the canvas to paint below the interface, in pixels of the window.
     """
     origin = imgui.get_cursor_screen_pos()
@@ -51,7 +62,7 @@ def show(model: Model, draw: Callable[[Size], DrawnPane | None]) -> Canvas:
     canvas = canvas_of(pane, presentation, drawn.arrangement, drawn.pair.pictures, edge)
     if edge is not None:
         _line(painter, origin, edge, pane[1])
-    _take_hand(model, origin, pane, drawn, edge)
+    _take_hand(model, origin, pane, drawn, edge, drop)
     if not presentation.haploscopic:
         mask_tints.show(model, painter, origin, drawn.arrangement)
         ghost_outlines.show(model, painter, origin, drawn.arrangement)
@@ -74,7 +85,12 @@ def _ring(origin: ImVec2, pane: Size) -> None:
 
 
 def _take_hand(
-    model: Model, origin: ImVec2, pane: Size, drawn: DrawnPane, edge: int | None
+    model: Model,
+    origin: ImVec2,
+    pane: Size,
+    drawn: DrawnPane,
+    edge: int | None,
+    drop: Callable[[str], None],
 ) -> None:
     """Let the mouse turn, move and zoom the pictures, and place the lamp and the wipe."""
     if edge is not None:
@@ -89,6 +105,10 @@ def _take_hand(
         | buttons.mouse_button_middle
         | buttons.enable_nav,
     )
+    mouse = imgui.get_mouse_pos()
+    here = (mouse.x - origin.x, mouse.y - origin.y)
+    under = _under(drawn, here, mirrored=model.state.presentation.mirror, edge=edge)
+    drop_hand.take_drop(under, origin, drop)
     _take_keys(model, next(iter(drawn.arrangement.rects.values()))[2:])
     if imgui.is_item_focused() and imgui.get_io().nav_visible:
         _ring(origin, pane)
@@ -96,9 +116,6 @@ def _take_hand(
     if hovered and model.state.presentation.haploscopic and imgui.is_mouse_clicked(1):
         model.set_part("presentation", haploscopic=False)  # no menu is there to do it
         return
-    mouse = imgui.get_mouse_pos()
-    here = (mouse.x - origin.x, mouse.y - origin.y)
-    under = _under(drawn, here, mirrored=model.state.presentation.mirror, edge=edge)
     if hovered and under is not None:
         side, at, rect = under
         size_px = drawn.pair.pictures[side].size

@@ -198,6 +198,10 @@ ACTIONS: tuple[Action, ...] = (
         "opens a proof, a scene, a pack, artwork, a mesh, or a measurement or material as the test",
     ),
     Action(
+        "File", "Open catalogue...", "Ctrl+Shift+O", lambda app: app.files.open_catalogue(),
+        "opens many samples with their pictures, to search them and drag them onto a picture",
+    ),
+    Action(
         "File", "New material...", "Ctrl+N", lambda app: app.files.make_material(),
         "makes a material from gloss readings and a colour, where there is no measured table",
     ),

@@ -23,6 +23,7 @@ from relgloss_view.viewer.drawing.plate_pictures import PlatePictures
 from relgloss_view.viewer.files.measurement_tables import MeasurementTables
 from relgloss_view.viewer.files.monitor_profile import MonitorProfile, watched_monitor
 from relgloss_view.viewer.panels import (
+    catalogue,
     fit,
     gloss,
     help,
@@ -60,7 +61,6 @@ from relgloss_view.viewer.state.state import SIDES, State
 
 #: Time of the interface after the pictures, on a software driver and a large window.
 INTERFACE_S = 0.008
-NEAR_MATCH = 0.02  #: a share of the match that far from 1 is reported when a scene is opened
 LAYOUT_S = 1.0  #: between checks for changes of the layout
 
 
@@ -85,6 +85,7 @@ class App:
                 Panel("Look", GLOSS, lambda: look.show(self.model)),
                 Panel("Gloss", GLOSS, lambda: gloss.show(self.model, self._gloss_readings)),
                 Panel("Scene", LIGHT, lambda: scene.show(self.model, self.files)),
+                Panel("Catalogue", BELOW, lambda: catalogue.show(self.files), at_first=False),
                 Panel("Lightness", BELOW, lambda: lightness.show(self.model), at_first=False),
                 Panel("Reflection", BELOW, lambda: reflection.show(self.model), at_first=False),
                 Panel("Fit", BELOW, lambda: fit.show(self.model), at_first=False),
@@ -153,6 +154,7 @@ class App:
         if self.model.wanted_panel:  # after the first arrangement, which has its own in front
             self.layout.focus(self.model.wanted_panel)
             self.model.wanted_panel = ""
+        self.files.catalogue.upload(self.pair_renderer.ctx)
         self._window.to_screen()  # pictures were drawn, and panels fetched numbers
 
     def after_frame(self, frame_s: float) -> bool:
@@ -217,6 +219,7 @@ class App:
         """Take over the layout of the last run, and write this one's to a file when it changes."""
         self._layout_path, self.kept_layout = path, kept
         self.layout.hidden = kept.hidden
+        self.files.catalogue.remember(kept.catalogue)
         if kept.closed is not None:
             for panel in self.layout.panels:
                 # A panel that is newer than the kept layout is as at the first start.
@@ -233,6 +236,7 @@ class App:
             closed=tuple(p.title for p in self.layout.panels if not p.visible),
             hidden=self.layout.hidden,
             docking=imgui.save_ini_settings_to_memory(),
+            catalogue=self.files.catalogue.folder,
         )
         if layout != self.kept_layout:
             make_folder(self._layout_path.parent)
@@ -257,6 +261,7 @@ class App:
         self.model.frames, self.model.ghosts, self.model.tints = {}, {}, {}
         self.model.plate_pictures = {}
         self._ghost_pictures = GhostPictures()
+        self.files.catalogue.thumbnails.abandon()
         self.model.renderer = self.pair_renderer = PairRenderer(ctx)
         self.model.report("the graphics device lost its objects; everything was made again")
 
@@ -287,7 +292,7 @@ class App:
         return now_s - self._held_at_s > imgui.get_io().mouse_double_click_time
 
     def _show_stage(self) -> None:
-        canvas = stage.show(self.model, self._draw_pictures)
+        canvas = stage.show(self.model, self._draw_pictures, self.files.catalogue.drop)
         assert self._window is not None
         self._window.surround = surround_gray(self.model.on_screen.setup.display)
         self._window.canvas = canvas
@@ -371,12 +376,9 @@ class App:
         if model.state.match is None or any(look.c is None for look in looks):
             frames = {side: picture.frame for side, picture in pair.pictures.items()}
             model.history.amend(matching.pinned(model.state, frames))
-            share = matching.share_of_match(model.state, "test")
-            if share is not None and abs(share - 1.0) > NEAR_MATCH:
-                model.report(
-                    f"this scene shows {share:.2g} times the matched gloss, since its c is a share "
-                    "of c_max; Match again (panel Look) keeps the ratio to the reference"
-                )
+            note = matching.far_from_match(model.state)
+            if note:
+                model.report(note)
 
     def _give_view(self) -> None:
         """Hand over the pane's pixels, without the interface."""

@@ -16,6 +16,7 @@ from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.pack.forms.mesh_files import MESH_SUFFIXES
 from relgloss_view.pack.pack import Pack
 from relgloss_view.viewer.drawing.arrangement import as_shown
+from relgloss_view.viewer.files.catalogue_files import TABLE_SUFFIXES, catalogue_folder
 from relgloss_view.viewer.files.display_files import DISPLAY_SUFFIXES
 from relgloss_view.viewer.files.new_material import NewMaterial
 from relgloss_view.viewer.files.open_job import Opened, OpenJob, opened_display
@@ -34,6 +35,7 @@ from relgloss_view.viewer.panels.export import Export
 from relgloss_view.viewer.panels.file_dialogs import FileDialogs
 from relgloss_view.viewer.panels.new_material import NewMaterialPanel
 from relgloss_view.viewer.panels.own_dialog import Question
+from relgloss_view.viewer.shell.catalogue_actions import CatalogueActions
 from relgloss_view.viewer.shell.proof_actions import ProofActions
 from relgloss_view.viewer.state.command_line import snapshot_command
 from relgloss_view.viewer.state.matching import as_displayed, with_plain_pack
@@ -84,6 +86,7 @@ class FileActions:
         self.new_material = NewMaterial(model, wake)
         self._new_material_panel = NewMaterialPanel(self.new_material, self.dialogs)
         self.proofs = ProofActions(model, self.dialogs, wake)
+        self.catalogue = CatalogueActions(model, self.open_path, wake)
         self._wake = wake
         self._waiting: list[Wanted] = []
         self._job: OpenJob | None = None
@@ -101,6 +104,10 @@ class FileActions:
     def open(self) -> None:
         """Ask for a file and open it."""
         self._ask(Question("Open file", self.open_path, OPEN_SUFFIXES))
+
+    def open_catalogue(self) -> None:
+        """Ask for the table of a catalogue and open the catalogue."""
+        self._ask(Question("Open catalogue", self.open_path, TABLE_SUFFIXES))
 
     def open_path(self, path: str, side: str = "test", finish: str = "", profile: str = "") -> None:
         """Open a file in the background; a sample becomes the test unless asked otherwise.
@@ -185,6 +192,7 @@ class FileActions:
     def dropped(self, path: str) -> None:
         """Open a file that was dropped; while a material is being made, spectra are its colour."""
         is_other = path.lower().endswith((*SCENE_SUFFIXES, ".json"))
+        is_other = is_other or catalogue_folder(path) is not None
         if self.new_material.active and not is_other:
             self.new_material.read_spectrum(path)
             self._wake()
@@ -267,6 +275,7 @@ class FileActions:
             self._job = OpenJob(wanted.path, self._wake, self._prepare, read, wanted.profile)
         self.new_material.each_frame()
         self.proofs.each_frame()
+        self.catalogue.each_frame()
         self._masks.each_frame()
         self._watch.each_frame()
         self._plates.each_frame()
@@ -290,6 +299,7 @@ class FileActions:
     def due_s(self) -> float | None:
         """Seconds until a frame is needed without an event; None if nothing is under way."""
         waits = [self.dialogs.due_s(), self._export.due_s(), self.proofs.due_s()]
+        waits.append(self.catalogue.due_s())
         waiting = self._waiting or self.new_material.waiting or self._masks.busy
         if self._job is not None or waiting:
             waits.append(TICK_S)
@@ -303,6 +313,7 @@ class FileActions:
         self.new_material.cancel()  # what is in no file would be lost
         self.dialogs.close()
         self.proofs.close()
+        self.catalogue.close()
         self._watch.close()
         if self._job is not None:
             self._job.close()
@@ -338,6 +349,7 @@ class FileActions:
                 self.session.note_written(whole)
             return
         name = printable(Path(job.path).name, 80)
+        self.catalogue.note_opened(job.path)
         if job.fault is not None and NO_PROFILE in job.fault:
             self.model.report(f"{name} is CMYK without a profile: choose that of its print")
             self._ask_profile(self._wanted)
@@ -350,6 +362,9 @@ class FileActions:
 
     def _apply(self, opened: Opened, name: str) -> None:
         model, wanted = self.model, self._wanted
+        if opened.catalogue is not None:
+            self.catalogue.take(opened.catalogue)
+            return
         if opened.state is not None and wanted.side == "reference":
             model.report(f"{name} is a scene, which holds both pictures: use Open", fault=True)
             return

@@ -25,6 +25,7 @@ class WindowLayout:
     closed: tuple[str, ...] | None = None  #: titles of panels that don't show; None as at first
     hidden: bool = False
     docking: str = ""
+    catalogue: str = ""  #: folder of the one that was open last
 
 
 def load_layout(path: str | os.PathLike[str]) -> WindowLayout:
@@ -37,12 +38,14 @@ def load_layout(path: str | os.PathLike[str]) -> WindowLayout:
     size = content.get("size")
     scale = content.get("font_scale")
     docking = content.get("docking")
+    catalogue = content.get("catalogue")
     return WindowLayout(
         size=(size[0], size[1]) if size is not None and _is_size(size) else standard.size,
         font_scale=float(scale) if scale in FONT_SCALES else 1.0,
         closed=_titles(content.get("closed")),
         hidden=content.get("hidden") is True,
         docking=docking if isinstance(docking, str) else "",
+        catalogue=catalogue if isinstance(catalogue, str) else "",
     )
 
 
@@ -53,6 +56,7 @@ def save_layout(path: str | os.PathLike[str], layout: WindowLayout) -> None:
         "font_scale": layout.font_scale,
         "hidden": layout.hidden,
         "docking": layout.docking,
+        "catalogue": layout.catalogue,
     }
     if layout.closed is not None:
         content["closed"] = list(layout.closed)

@@ -24,6 +24,8 @@ from relgloss_view.picture.scene.setting import Setting
 from relgloss_view.viewer.state import packs
 from relgloss_view.viewer.state.state import SIDES, State
 
+NEAR_MATCH = 0.02  #: a share of the match that far from 1 is reported when a scene is opened
+
 
 def reference_of(state: State) -> Reference | None:
     """The reference of the state's left picture; None where it has no gloss."""
@@ -249,6 +251,17 @@ def pinned(state: State, frames: dict[str, Frame]) -> State:
         return dataclasses.replace(state, match=new_match(state))
     # The file's own numbers of a match are those of the pictures that were judged.
     return taken_as_match(state, state.match.made_by)
+
+
+def far_from_match(state: State) -> str:
+    """What to know of a scene whose c was a share of c_max; empty where it shows the match."""
+    share = share_of_match(state, "test")
+    if share is None or abs(share - 1.0) <= NEAR_MATCH:
+        return ""
+    return (
+        f"this scene shows {share:.2g} times the matched gloss, since its c is a share of c_max; "
+        "Match again (panel Look) keeps the ratio to the reference"
+    )
 
 
 def _with_c(state: State, side: str, c: float) -> State:

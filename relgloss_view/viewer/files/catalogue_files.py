@@ -1,0 +1,84 @@
+"""Catalogues as files of the window: told apart, read, and looked at for changes.
+
+No OpenGL, no window library: a thread does it. What reads Parquet is imported in that thread.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from relgloss_view.base.arrays import Bytes
+from relgloss_view.base.errors import InputError
+from relgloss_view.base.terminal import ProgressReport, no_progress
+from relgloss_view.catalogue.query.found import Searched
+from relgloss_view.catalogue.query.search import Searcher
+from relgloss_view.catalogue.tree import is_catalogue
+from relgloss_view.viewer.state.catalogues import OpenCatalogue, Stamp
+
+CATALOGUE = "catalogue"
+TABLE = "catalogue.parquet"  #: catalogue/table.py NAME, whose imports are heavy
+TABLE_SUFFIXES = (".parquet",)
+LARGEST_PX = 512  #: of a thumbnail's side; a larger one is made smaller
+
+
+def catalogue_folder(path: str | os.PathLike[str]) -> str | None:
+    """The folder of a catalogue that a path names, itself or by its table; None for others.
+
+    A damaged catalogue is one too: its reader reports the fault.
+    """
+    path = Path(path)
+    if path.name == TABLE:
+        return str(path.absolute().parent)
+    try:
+        marked = is_catalogue(path)
+    except (OSError, InputError):
+        marked = False
+    return str(path.absolute()) if marked else None
+
+
+def opened_catalogue(path: str, progress: ProgressReport = no_progress) -> OpenCatalogue:
+    """The catalogue of a folder or of its table. InputError, one line, where it can't be read."""
+    from relgloss_view.catalogue.catalogue import Catalogue
+
+    folder = catalogue_folder(path) or path
+    progress(0.0, "reading the catalogue")
+    stamp = stamp_of(folder)
+    catalogue = Catalogue.open(Path(folder))
+    progress(0.7, "sorting it for searches")
+    return OpenCatalogue(folder, catalogue, Searcher(catalogue), stamp)
+
+
+def stamp_of(folder: str) -> Stamp | None:
+    """What tells one state of a catalogue's table from another; None where it can't be seen."""
+    try:
+        seen = os.stat(os.path.join(folder, TABLE))
+    except OSError:
+        return None
+    return seen.st_mtime_ns, seen.st_size, seen.st_ino
+
+
+def decoded_thumbnails(catalogue: Searched, paths: Iterable[str]) -> dict[str, Bytes | None]:
+    """The pictures of items by path, (H, W, 3); None for an item without a picture."""
+    wanted = list(paths)
+    pictures = catalogue.thumbnails(wanted)
+    return {path: decoded(pictures.get(path)) for path in wanted}
+
+
+def decoded(png: bytes | None) -> Bytes | None:
+    """The pixels of a PNG (H, W, 3); None where there are none or they are damaged."""
+    if not png:
+        return None
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with Image.open(io.BytesIO(png), formats=("PNG",)) as image:
+            if max(image.size) > LARGEST_PX:
+                image.thumbnail((LARGEST_PX, LARGEST_PX))
+            return np.asarray(image.convert("RGB"))
+    except (UnidentifiedImageError, OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+        return None
