@@ -49,6 +49,7 @@ def readers() -> dict[str, Reader]:
         Reader("zemax", ".bsdf", _measurement, _zemax, 1.0),
         Reader("bsdf-xml", ".xml", _measurement, _bsdf_xml, 1.0),
         Reader("rgl-spectral", ".bsdf", _measurement, _spectral_bsdf, 0.5),
+        Reader("pbsdf", ".pbsdf", _measurement, _pbsdf, 0.5),
         Reader("ssdd", ".ssdd", _measurement, _ssdd),
         Reader("astm-e1392", ".astm", _measurement, _astm),
         Reader("alta", ".alta", _measurement, _alta),
@@ -521,7 +522,7 @@ def _other_tables(gcms: str, generic: str) -> list[bytes]:
 
 def bsdf_of(fields: dict[str, np.ndarray[Any, Any]]) -> bytes:
     """A file in the container of the RGL database."""
-    codes = {"uint8": 1, "float32": 10, "float64": 11}
+    codes = {"uint8": 1, "uint16": 3, "float32": 10, "float64": 11}
     directory, offset = 18 + sum(13 + len(n) + 8 * v.ndim for n, v in fields.items()), 0
     head, body = b"tensor_file\0" + bytes((1, 0)) + struct.pack("<I", len(fields)), b""
     for name, values in fields.items():
@@ -542,6 +543,18 @@ def _spectral_bsdf() -> list[bytes]:
     rgb = fields.pop("rgb")
     fields["wavelengths"] = np.linspace(370.0, 790.0, 12, dtype=np.float32)
     fields["spectra"] = np.repeat(rgb, 4, axis=2)
+    return [bsdf_of(fields)]
+
+
+def _pbsdf() -> list[bytes]:
+    axis = np.linspace(0.0, 1.5, 5, dtype=np.float32)[None]
+    fields = {
+        "phi_d": np.linspace(-3.0, 3.0, 7, dtype=np.float32)[None],
+        "theta_d": axis,
+        "theta_h": axis,
+        "wvls": np.array([450, 500, 550, 600, 650], np.uint16),
+        "M": np.random.default_rng(0).uniform(0.1, 0.3, (7, 5, 5, 5, 4, 4)).astype(np.float32),
+    }
     return [bsdf_of(fields)]
 
 
