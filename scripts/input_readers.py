@@ -50,6 +50,7 @@ def readers() -> dict[str, Reader]:
         Reader("bsdf-xml", ".xml", _measurement, _bsdf_xml, 1.0),
         Reader("rgl-spectral", ".bsdf", _measurement, _spectral_bsdf, 0.5),
         Reader("pbsdf", ".pbsdf", _measurement, _pbsdf, 0.5),
+        Reader("speos", ".brdf", _measurement, _speos),
         Reader("ssdd", ".ssdd", _measurement, _ssdd),
         Reader("astm-e1392", ".astm", _measurement, _astm),
         Reader("alta", ".alta", _measurement, _alta),
@@ -556,6 +557,18 @@ def _pbsdf() -> list[bytes]:
         "M": np.random.default_rng(0).uniform(0.1, 0.3, (7, 5, 5, 5, 4, 4)).astype(np.float32),
     }
     return [bsdf_of(fields)]
+
+
+def _speos() -> list[bytes]:
+    rows = [f"{theta}" + "\t0.2" * 5 + "\n" for theta in range(0, 91, 10)]
+    block = f"{len(rows)}\t5\n\t0\t90\t180\t270\t360\n" + "".join(rows)
+    spectrum = "10\t0\n\n3\n400\t20\n550\t40\n700\t10\n"
+    head = "0\nmade\n5\n-----\n"
+    by_spectrum = f"OPTIS - Anisotropic BSDF surface file v8.0\n{head}1\t0\t0\n1\t0\n0\n1\n0\n"
+    by_spectrum += f"2\n10\t40\n{spectrum}{block}{block}End of file\n"
+    by_wavelength = f"OPTIS - brdf surface file v8.0\n{head}1\t0\n1\n2\t2\n10\t40\n500\t600\n"
+    by_wavelength += f"20\n{block}" * 4
+    return [by_spectrum.encode(), by_wavelength.encode()]
 
 
 def _bsdf_fields() -> dict[str, np.ndarray[Any, Any]]:

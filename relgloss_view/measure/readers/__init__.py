@@ -26,6 +26,7 @@ from relgloss_view.measure.readers import (
     pbsdf,
     rgl,
     spectrum_text,
+    speos,
     ssdd,
     tensor_file,
     zemax,
@@ -44,6 +45,7 @@ FORMATS: Mapping[str, Callable[[Path, ReadOptions], Measurement]] = {
     "alta": alta.read,
     "e1392": astm_e1392.read,
     "ssdd": ssdd.read,
+    "speos": speos.read,
     "cgats": cgats.read,
     "cxf": cxf.read,
 }
@@ -64,8 +66,8 @@ def read_measurement(
 ) -> Measurement:
     """Read a measured table in any of the formats below.
 
-    GCMS-style and generic tables as text (CSV), ASTM E1392, SSDD, ALTA, Zemax BSDF, BSDF XML of
-    WINDOW and Radiance, RGL .bsdf, polarised .pbsdf, MERL .binary, and multi-angle readings in
+    GCMS-style and generic tables as text (CSV), ASTM E1392, SSDD, ALTA, Zemax BSDF, Speos,
+    BSDF XML of WINDOW and Radiance, RGL .bsdf, polarised .pbsdf, MERL .binary, and multi-angle readings in
     CGATS, CxF3 or CSV.
 
     path: the file; its content decides the format (docs/files.md). The name of a built-in paper,
