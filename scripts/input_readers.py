@@ -549,7 +549,7 @@ def _spectral_bsdf() -> list[bytes]:
 
 def _pbsdf() -> list[bytes]:
     axis = np.linspace(0.0, 1.5, 5, dtype=np.float32)[None]
-    fields = {
+    fields: dict[str, np.ndarray[Any, Any]] = {
         "phi_d": np.linspace(-3.0, 3.0, 7, dtype=np.float32)[None],
         "theta_d": axis,
         "theta_h": axis,
