@@ -53,9 +53,9 @@ class _Grid:
         self.actions, self.found = actions, found
         self.gap, self.pad = em(GAP_EM), em(PAD_EM)
         self.room = max(imgui.get_content_region_avail().x, 1.0)
-        # As many tiles of the wanted width as fit, widened a little so that they fill the line.
+        # Tiles of about the wanted width, which fill the line.
         wanted = em(actions.tile_em) + 2.0 * self.pad
-        self.columns = max(1, int((self.room + self.gap) / (wanted + self.gap)))
+        self.columns = max(1, round((self.room + self.gap) / (wanted + self.gap)))
         fill = (self.room + self.gap) / self.columns - self.gap
         self.width = math.floor(min(fill, 1.5 * wanted))
         self.picture = self.width - 2.0 * self.pad

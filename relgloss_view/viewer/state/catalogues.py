@@ -75,7 +75,7 @@ MEASURES = {
 _MEANINGS = {
     "poor": "The fit is poor: look at the panel Fit before you rely on it.",
     "unidentifiable": "The measurement does not determine all parameters of the fit.",
-    "synthetic": "Synthetic: made for this program, not measured.",
+    "synthetic": "Synthetic: computed, not measured.",
     "hypothetical": "Hypothetical: not measured.",
     "estimated": "Estimated from few readings, not measured.",
     "described": "Described by another program, not measured.",
