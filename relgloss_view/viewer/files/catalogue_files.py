@@ -18,7 +18,8 @@ from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.catalogue.query.found import Searched
 from relgloss_view.catalogue.query.search import Searcher
 from relgloss_view.catalogue.tree import is_catalogue
-from relgloss_view.viewer.state.catalogues import OpenCatalogue, Stamp
+from relgloss_view.viewer.files.pack_edits import stamp_of
+from relgloss_view.viewer.state.catalogues import OpenCatalogue
 
 CATALOGUE = "catalogue"
 TABLE = "catalogue.parquet"  #: catalogue/table.py NAME, whose imports are heavy
@@ -47,19 +48,10 @@ def opened_catalogue(path: str, progress: ProgressReport = no_progress) -> OpenC
 
     folder = catalogue_folder(path) or path
     progress(0.0, "reading the catalogue")
-    stamp = stamp_of(folder)
+    stamp = stamp_of(os.path.join(folder, TABLE))
     catalogue = Catalogue.open(Path(folder))
     progress(0.7, "sorting it for searches")
     return OpenCatalogue(folder, catalogue, Searcher(catalogue), stamp)
-
-
-def stamp_of(folder: str) -> Stamp | None:
-    """What tells one state of a catalogue's table from another; None where it can't be seen."""
-    try:
-        seen = os.stat(os.path.join(folder, TABLE))
-    except OSError:
-        return None
-    return seen.st_mtime_ns, seen.st_size, seen.st_ino
 
 
 def decoded_thumbnails(catalogue: Searched, paths: Iterable[str]) -> dict[str, Bytes | None]:

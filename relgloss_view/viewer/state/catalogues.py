@@ -22,7 +22,7 @@ from relgloss_view.catalogue.query.parse import parse
 from relgloss_view.catalogue.query.search import Searcher
 
 Row = Mapping[str, Any]
-Stamp = tuple[int, int, int]  #: of a file: time of its last change in ns, size in bytes, number
+Stamp = tuple[int, int]  #: of a file: time of its last change in ns, size in bytes
 
 LONGEST_LINE = 160  #: characters of a warning or a path
 MOST_WARNINGS = 4  #: that a tooltip lists
