@@ -4,8 +4,8 @@
 
 Prints: what a table costs by stage; one process of the engine against the plain loop (at most 5 %
 more); two processes against one (at least 1.8 x); the engine alone, with empty items, and the
-memory of the program that drives it (at most 500 MB at 10,000 items). A run's first second, in
-which the processes start, is given by itself. Let nothing else run.
+memory of the program that drives it (at most 500 MB at 10,000 items). The time to the first
+item, in which the processes start, is given by itself. Let nothing else run.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -26,10 +27,12 @@ from typing import Any
 from relgloss_view import fit_material, read_measurement
 from relgloss_view.base.terminal import Column, table
 from relgloss_view.bench.verdicts.judging import SOUND, table_of
+from relgloss_view.catalogue.cluster_worker import ONE_THREAD
 from relgloss_view.catalogue.columns import TABLE
 from relgloss_view.catalogue.engine import EngineOptions, Task, run
 from relgloss_view.catalogue.item import Item
 from relgloss_view.catalogue.look import draw, match_of, numbers_of
+from relgloss_view.catalogue.one_thread import one_thread
 from relgloss_view.catalogue.recipe import Recipe
 from relgloss_view.catalogue.work import digest_of, make_item, renderer
 from relgloss_view.picture.output.png import png_bytes
@@ -63,11 +66,25 @@ def tasks_of(paths: list[Path]) -> list[Task]:
     ]
 
 
-def timed(
-    tasks: list[Task], workers: int, *, loop: bool = False
-) -> tuple[float, float, list[Item]]:
-    """Seconds until the first item is done, seconds after it, and the items in the tasks' order."""
-    begun_s = time.perf_counter()
+def cpu_s() -> float:
+    """Seconds of all processors that this process and its ended children have taken."""
+    spent = os.times()
+    return spent.user + spent.system + spent.children_user + spent.children_system
+
+
+@dataclass(frozen=True)
+class Timed:
+    """One run: seconds to the first item, after it, and of all processors; items by task."""
+
+    first_s: float
+    rest_s: float
+    cpu_s: float
+    items: list[Item]
+
+
+def timed(tasks: list[Task], workers: int, *, loop: bool = False) -> Timed:
+    """Run an engine."""
+    cpu_before_s, begun_s = cpu_s(), time.perf_counter()
     first_s = 0.0
     made: dict[str, Item] = {}
 
@@ -84,17 +101,18 @@ def timed(
 
         on_processes(tasks, done, EngineOptions(workers=workers))
     end_s = time.perf_counter()
-    return first_s - begun_s, end_s - first_s, [made[task.key] for task in tasks]
+    items = [made[task.key] for task in tasks]
+    return Timed(first_s - begun_s, end_s - first_s, cpu_s() - cpu_before_s, items)
 
 
 def stages(paths: list[Path]) -> list[tuple[str, str]]:
-    """Milliseconds of a table by stage (mean), in this process; then its bytes."""
+    """Milliseconds of a processor that a table costs by stage (mean), one thread each."""
     spent: dict[str, float] = {}
 
     def step(name: str, work: Callable[[], Any]) -> Any:
-        begun_s = time.perf_counter()
+        begun_s = time.process_time()
         result = work()
-        spent[name] = spent.get(name, 0.0) + time.perf_counter() - begun_s
+        spent[name] = spent.get(name, 0.0) + time.process_time() - begun_s
         return result
 
     made = renderer()
@@ -136,32 +154,41 @@ def main() -> int:
     add("--empty", type=int, default=10_000, metavar="N", help="Number of empty items")
     args = parser.parse_args()
     here = str(Path(__file__).resolve().parent)
+    os.environ |= ONE_THREAD
     os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (here, os.environ.get("PYTHONPATH"))))
     with tempfile.TemporaryDirectory() as folder:
         paths = tree_of(Path(folder), args.tables)
         tasks = tasks_of(paths)
         timed(tasks[:2], 1, loop=True)  # imports, the first compilation of shaders
-        print(table([Column("stage", left=True), Column("a table")], stages(paths)))
-        runs: dict[str, list[tuple[float, float]]] = {"loop": [], "one": [], "two": []}
-        items: dict[str, list[Item]] = {}
+        with one_thread():
+            print(table([Column("stage", left=True), Column("a table")], stages(paths)))
+        empty_run = timed(tasks[:1], 1)
+        runs: dict[str, list[Timed]] = {"loop": [], "one": [], "two": []}
         for _ in range(args.rounds):
             for name, workers in (("loop", 0), ("one", 1), ("two", 2)):
-                start_s, rest_s, items[name] = timed(tasks, workers, loop=not workers)
-                runs[name].append((start_s, rest_s))
-    assert items["loop"] == items["one"] == items["two"]
-    size = statistics.mean(len(pickle.dumps(item)) for item in items["loop"])
-    print(f"an item is {size / 1000:.1f} kB on its way; all three engines made the same items")
-    median = {name: statistics.median(rest for _, rest in runs[name]) for name in runs}
-    start = {name: statistics.median(first for first, _ in runs[name]) for name in runs}
+                runs[name].append(timed(tasks, workers, loop=not workers))
+    items = runs["loop"][0].items
+    assert all(run.items == items for name in runs for run in runs[name])
+    size = statistics.mean(len(pickle.dumps(item)) for item in items)
+    print(f"an item is {size / 1000:.1f} kB on its way; all engines made the same items")
+    more = len(tasks) - 1
     rows = [
-        (name, f"{start[name]:.2f} s", f"{1e3 * median[name] / (len(tasks) - 1):.1f} ms")
-        for name in runs
+        (
+            name,
+            f"{statistics.median(run.first_s for run in each):.2f} s",
+            f"{1e3 * statistics.median(run.rest_s for run in each) / more:.1f} ms",
+            f"{1e3 * statistics.median(run.cpu_s for run in each) / len(tasks):.1f} ms",
+        )
+        for name, each in runs.items()
     ]
-    print(table([Column("engine", left=True), Column("first item"), Column("each more")], rows))
-    overhead = statistics.median(
-        b[1] / a[1] - 1.0 for a, b in zip(runs["loop"], runs["one"], strict=True)
-    )
-    gain = statistics.median(a[1] / b[1] for a, b in zip(runs["one"], runs["two"], strict=True))
+    columns = [Column("first item"), Column("each more"), Column("of a processor")]
+    print(table([Column("engine", left=True), *columns], rows))
+    pairs = list(zip(runs["loop"], runs["one"], runs["two"], strict=True))
+    overhead = statistics.median(one.rest_s / loop.rest_s - 1.0 for loop, one, _ in pairs)
+    # Both shares of one item are taken off: that of the loop, and that of a run with one item.
+    work = statistics.median(loop.cpu_s for loop, *_ in pairs) * more / len(tasks)
+    spent = statistics.median(one.cpu_s for _, one, _ in pairs) - empty_run.cpu_s
+    gain = statistics.median(one.rest_s / two.rest_s for _, one, two in pairs)
     megabytes, rate = memory_of(args.empty)
     figures = (
         (
@@ -170,6 +197,7 @@ def main() -> int:
             "at most +5 %",
             overhead <= 0.05,
         ),
+        ("the same in time of processors", f"{100 * (spent / work - 1.0):+.1f} %", "", True),
         ("two processes against one", f"{gain:.2f} x", "at least 1.8 x", gain >= 1.8),
         (
             f"memory of the driver, {args.empty} items",
@@ -179,8 +207,13 @@ def main() -> int:
         ),
         ("empty items in a second, two processes", f"{rate:.0f}", "", True),
     )
-    heads = [Column("figure", left=True), Column("here"), Column("wanted"), Column("")]
-    print(table(heads, [(*row, "" if good else "MISSED") for *row, good in figures]))
+    columns = [Column("here"), Column("wanted"), Column("")]
+    print(
+        table(
+            [Column("figure", left=True), *columns],
+            [(*row, "" if good else "MISSED") for *row, good in figures],
+        )
+    )
     return 0 if all(good for *_, good in figures) else 1
 
 

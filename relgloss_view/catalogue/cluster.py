@@ -25,7 +25,6 @@ from relgloss_view.catalogue.cluster_worker import Program, Refused, perform, th
 from relgloss_view.catalogue.engine import MOST_WORKERS, Done, EngineOptions, Lost, Task
 
 IN_FLIGHT = 2  #: tasks of a worker: one at work, one that waits there
-POLL_S = 0.002
 COUNTED_S = 0.5  #: between two counts of the workers
 ANSWER_S = 10.0  #: so long a scheduler may take to answer
 SCHEMES = ("tcp://", "tls://")
@@ -119,12 +118,17 @@ class _Run:
                     self._submit(aside.popleft(), alone=True)
                 if not aside and not self._flights:
                     return
-            if not self._completed.has_ready():
-                time.sleep(POLL_S)
-                continue
+            self._wait()
             for future, result in self._completed.next_batch(block=False):
                 flight = self._flights.pop(future)
                 self._finish(flight, future, result, done, again, aside)
+
+    def _wait(self) -> None:
+        """Wait for a result, a short while."""
+        ready = self._completed.thread_condition
+        with ready:
+            if not self._completed.has_ready():
+                ready.wait(STEP_S)
 
     def _finish(
         self,

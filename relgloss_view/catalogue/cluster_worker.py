@@ -172,6 +172,9 @@ WORKER_CONFIG = {
     "distributed.worker.profile.enabled": False,
     "distributed.worker.preload": [],
     "distributed.admin.system-monitor.gil.enabled": False,
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.admin.tick.interval": "500ms",
+    "distributed.scheduler.active-memory-manager.start": False,
     "distributed.diagnostics.nvml": False,
 }
 

@@ -33,7 +33,7 @@ LISTED = 20  #: names in a message
 OWN = "relgloss"
 
 
-def read(path: Path, part: str | None) -> Material:
+def read_gltf(path: Path, part: str | None) -> Material:
     """The material of a name, or the only one; a finish of a pack that relgloss wrote by its name.
 
     Raises InputError, one line that names the file; where several are there, it lists them.

@@ -11,10 +11,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array
+from relgloss_view.base.arrays import Array, Mask
 from relgloss_view.base.interruptions import checkpoint
 
-MOST_STEPS = 40
+MOST_STEPS = 50
 MOST_TRIES = 8  #: of the damping of a step
 STEP = 2e-4  #: for slopes, in units of an unknown's size
 LEAST_SIZE = 0.05  #: of an unknown
@@ -47,7 +47,8 @@ def least_squares(
         before = cost
         for _ in range(MOST_TRIES):
             checkpoint()
-            move = _move(curvature, gradient, free, damping)
+            room = ((low - x) / size, (high - x) / size)
+            move = _move(curvature, gradient, free, damping, room)
             trial = np.clip(x + size * move, low, high)
             there = residuals(trial)
             square = float(np.sum(there * there))
@@ -61,13 +62,27 @@ def least_squares(
     return np.asarray(x)
 
 
-def _move(curvature: Array, gradient: Array, free: Array, damping: float) -> Array:
-    """The damped step of the free unknowns, in units of their sizes."""
-    move = np.zeros(len(gradient))
-    own = curvature[np.ix_(free, free)]
-    diagonal = np.diag(own)
-    floor = 1e-12 + 1e-9 * float(np.max(diagonal))
-    move[free] = np.linalg.solve(own + np.diag(damping * diagonal + floor), -gradient[free])
+def _move(
+    curvature: Array, gradient: Array, free: Mask, damping: float, room: tuple[Array, Array]
+) -> Array:
+    """The damped step of the free unknowns, in units of their sizes.
+
+    room: how far each may go down and up. One that would go further goes as far, and the others are
+    solved for again.
+    """
+    move, free = np.zeros(len(gradient)), free.copy()
+    damped = curvature + np.diag(damping * np.diag(curvature))
+    floor = 1e-12 + 1e-9 * float(np.max(np.diag(curvature)))
+    damped += floor * np.eye(len(gradient))
+    while np.any(free):
+        own = damped[np.ix_(free, free)]
+        pull = gradient[free] + damped[np.ix_(free, ~free)] @ move[~free]
+        move[free] = np.linalg.solve(own, -pull)
+        beyond = free & ((move < room[0]) | (move > room[1]))
+        if not np.any(beyond):
+            break
+        move[beyond] = np.clip(move[beyond], room[0][beyond], room[1][beyond])
+        free &= ~beyond
     return move
 
 

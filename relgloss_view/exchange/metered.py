@@ -23,7 +23,8 @@ class Nodes(NamedTuple):
 
 
 FINE = Nodes(14, SOURCE_NODES)
-COARSE = Nodes(6, (3, 2))  #: within 0.5 % of a reading, for searches
+#: For searches: within 2.5 % of a reading of the narrowest lobes, the same share for similar ones.
+COARSE = Nodes(7, (3, 2))
 #: The nodes are spread evenly in asinh(angle / this), radians: dense at the mirror direction,
 #: so that a lobe of 0.1 degrees and one of 30 are both followed.
 CORE = 2e-3

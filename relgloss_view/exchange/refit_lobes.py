@@ -90,10 +90,12 @@ def _families(
     wide = Unknown(math.log(wide_deg), math.log(low), math.log(high))
     strength = Unknown(1.0, 0.0, LARGEST_STRENGTH)
     weak = Unknown(0.2, 0.0, LARGEST_STRENGTH)
+    metal: tuple[float, ...] = ()
     if f0 is None:
         own: tuple[Unknown, ...] = (Unknown(min(max(index, 1.05), 3.5), 1.01, 4.0),)
     else:
-        own = tuple(Unknown(min(max(v, 0.01), 0.99), 0.0, 1.0) for v in f0)
+        own = ()  # a metal's colour is stated; its strength and width are searched for
+        metal = tuple(min(max(float(v), 0.0), 1.0) for v in f0)
 
     def make(x: Array) -> Material:
         diffuse = Diffuse("eon", tuple(float(v) for v in x[:3]), float(x[3]))
@@ -105,12 +107,23 @@ def _families(
             if f0 is None:
                 lobes.append(Lobe((float(x[k + 1]),), s_deg, float(kind[0])))
             else:
-                lobes.append(Lobe((float(x[k + 1]),), s_deg, f0=tuple(float(v) for v in kind)))
+                lobes.append(Lobe((float(x[k + 1]),), s_deg, f0=metal))
         return Material(name, source, RGB, diffuse, tuple(lobes))
 
+    def as_stated(x: Array) -> Material:
+        """With the widths that the surface states: those of a mirror cannot be searched for."""
+        count = len(body) + len(own)
+        pairs = [(np.log(s_deg), value) for s_deg, value in zip(widths, x[count:], strict=True)]
+        return make(np.concatenate([x[:count], *pairs]))
+
     one = (*body, *own, main, strength)
-    return (Family("one lobe", one, make), Family("two lobes", (*one, wide, weak), make))
+    strengths = [strength for _ in widths]
+    return (
+        Family("one lobe", one, make),
+        Family("two lobes", (*one, wide, weak), make),
+        Family("lobes of the stated widths", (*body, *own, *strengths), as_stated),
+    )
 
 
 def _width_deg(alpha: float) -> float:
-    return min(max(math.degrees(S_PER_ALPHA * alpha), 2.0 * S_DEG_DRAWN), 0.95 * S_DEG_MAX)
+    return min(max(math.degrees(S_PER_ALPHA * alpha), 1.02 * S_DEG_DRAWN), 0.95 * S_DEG_MAX)

@@ -20,7 +20,7 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.exchange import judge
 from relgloss_view.exchange.least_squares import least_squares
 from relgloss_view.exchange.loss import MOST_DE2000, MOST_GLOSS_UNITS, Loss, Surface
-from relgloss_view.exchange.metered import COARSE, gloss_units, window_of
+from relgloss_view.exchange.metered import COARSE, window_of
 from relgloss_view.gloss.meter.geometry import SPECULAR
 from relgloss_view.gloss.meter.meter import luminous_weights
 from relgloss_view.material import brdf, cielab
@@ -34,11 +34,11 @@ ROWS = 5  #: of the picture while searching
 ENOUGH = 0.5
 #: A reading of a mirror is hundreds of units; this share of it counts as MOST_GLOSS_UNITS there.
 GLOSS_SHARE = 0.03
-GLOSS_WEIGHT = 0.7
+GLOSS_WEIGHT = 1.2
 #: Azimuths of the lamp, degrees, and the weights of their pictures: the paper's, which is judged,
 #: and lamps from the front and from behind, so that a surface holds where it is turned.
 LAMPS = ((judge.AZIMUTH_DEG, 1.0), (10.0, 0.4), (110.0, 0.4))
-BODY_WEIGHT = 0.3  #: of the diffuse part beside the highlight, L* as above
+BODY_WEIGHT = 0.3  #: of the diffuse part's Lab, everywhere
 
 
 class Unknown(NamedTuple):
@@ -100,6 +100,7 @@ class _View:
 
     def __init__(self, own: judge.Seen, weight: float) -> None:
         self.picture = judge.picture_of(own)
+        self._body = self._lab_of(own.diffuse)
         lightness, chroma = self.picture.lab[:, 0], np.hypot(*self.picture.lab[:, 1:].T)
         square = (lightness - 50.0) ** 2
         s_l = 1.0 + 0.015 * square / np.sqrt(20.0 + square)
@@ -113,8 +114,12 @@ class _View:
         """Of the highlight and of the diffuse part."""
         apart = (judge.scaled(self.picture, seen) - self.picture.lab) / self._scale
         size = np.sqrt(np.sum(apart * apart, axis=-1) + 1e-9)
-        body = cielab.lightness(seen.diffuse[:, 1]) - self.picture.l_d
-        return (apart * size[:, None] * self._weight).ravel(), self._body_weight * body
+        body = self._lab_of(seen.diffuse) - self._body
+        return (apart * size[:, None] * self._weight).ravel(), self._body_weight * body.ravel()
+
+    @staticmethod
+    def _lab_of(xyz: Array) -> Array:
+        return cielab.lab_from_xyz(xyz, illuminant(judge.LAMP).white_xyz())
 
 
 class _Aim:
@@ -122,11 +127,11 @@ class _Aim:
 
     def __init__(self, target: Surface) -> None:
         self.target = target
-        self._units = gloss_units(target)
+        # Read as coarsely as the others are, so that the error of the quadrature cancels.
+        seen, self._units = self._asked(target)
         self._scales = {
             key: max(MOST_GLOSS_UNITS, GLOSS_SHARE * units) for key, units in self._units.items()
         }
-        seen, _ = self._asked(target)
         self._views = [_View(own, weight) for own, (_, weight) in zip(seen, LAMPS, strict=True)]
 
     def residuals(self, surface: Surface) -> Array:

@@ -14,63 +14,21 @@ from pathlib import Path
 import catalogue_tasks as work
 import psutil
 import pytest
+from catalogue_clusters import ENDED_S, HERE, ROOT, results, wait_until, workers_of
 
 from relgloss_view.base.errors import GLUnavailableError, InputError
-from relgloss_view.catalogue import cluster, cluster_processes, cluster_worker
+from relgloss_view.catalogue import cluster, cluster_processes
 from relgloss_view.catalogue.cluster_worker import Program, Refused, perform, this_program
-from relgloss_view.catalogue.engine import EngineOptions, Lost, Task, run
+from relgloss_view.catalogue.engine import EngineOptions, Lost, Task
 from relgloss_view.catalogue.one_thread import thread_counts
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
 TWO = EngineOptions(workers=2)
-ENDED_S = 10.0  #: so long processes may take to end
 
 
 @pytest.fixture(autouse=True)
 def tasks_reach_workers(monkeypatch):
     """Workers can import the tasks of the tests."""
     monkeypatch.setenv("PYTHONPATH", f"{ROOT}{os.pathsep}{HERE}")
-
-
-def results(tasks, options, step=None):
-    """What `done` got, by key; each key once."""
-    got = {}
-
-    def done(task, result):
-        assert task.key not in got
-        got[task.key] = result
-        if step is not None:
-            step()
-
-    run(tasks, done, options)
-    return got
-
-
-def workers_of(pid):
-    """The worker processes below a process."""
-    try:
-        children = psutil.Process(pid).children(recursive=True)
-    except psutil.NoSuchProcess:
-        return []
-    alive = []
-    for child in children:
-        try:
-            if cluster_worker.__name__ in child.cmdline():
-                alive.append(child)
-        except psutil.Error:
-            continue
-    return alive
-
-
-def wait_until(condition, longest_s=ENDED_S):
-    """Whether a condition comes true in time."""
-    end_s = time.monotonic() + longest_s
-    while time.monotonic() < end_s:
-        if condition():
-            return True
-        time.sleep(0.05)
-    return condition()
 
 
 def test_processes_give_what_the_loop_gives(tmp_path, monkeypatch):

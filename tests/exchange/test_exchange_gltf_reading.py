@@ -19,7 +19,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.exchange.formats import reader_of
 from relgloss_view.exchange.gltf import glb
 from relgloss_view.exchange.gltf_material import GltfMaterial
-from relgloss_view.exchange.gltf_reading import read
+from relgloss_view.exchange.gltf_reading import read_gltf as read
 from relgloss_view.exchange.metered import gloss_units
 from relgloss_view.pack.built_in import load_finish
 from relgloss_view.pack.forms.gltf_document import Document, Source

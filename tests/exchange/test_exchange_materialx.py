@@ -1,0 +1,136 @@
+"""MaterialX documents against MaterialX itself: its validation, and its own shader, executed."""
+
+from __future__ import annotations
+
+import dataclasses
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from relgloss_view.exchange import materialx
+from relgloss_view.exchange.formats import ExportOptions
+from relgloss_view.exchange.loss import MOST_DE2000
+from relgloss_view.exchange.openpbr import OpenPbr
+from relgloss_view.pack.built_in import load_finish
+
+pytest.importorskip("MaterialX")
+import materialx_shader
+
+TOP = '<?xml version="1.0"?>\n<materialx version="1.39" colorspace="lin_rec709">\n'
+#: Every parameter that is drawn, away from its default somewhere.
+SURFACES = {
+    "default": OpenPbr(),
+    "paper": OpenPbr(
+        base_color=(0.2, 0.5, 0.1),
+        base_diffuse_roughness=0.4,
+        specular_weight=0.6,
+        specular_color=(1.0, 0.8, 0.6),
+        specular_roughness=0.35,
+        specular_ior=1.6,
+    ),
+    "coated": OpenPbr(
+        base_weight=0.9,
+        base_color=(0.7, 0.4, 0.2),
+        specular_roughness=0.5,
+        specular_ior=2.2,
+        coat_weight=0.7,
+        coat_color=(0.9, 0.7, 0.8),
+        coat_roughness=0.3,
+        coat_ior=1.45,
+        coat_darkening=0.6,
+    ),
+    "metal": OpenPbr(
+        base_weight=0.95,
+        base_color=(0.9, 0.7, 0.3),
+        base_metalness=0.8,
+        specular_weight=0.9,
+        specular_color=(0.9, 0.95, 1.0),
+        specular_roughness=0.25,
+    ),
+}
+
+
+def document_of(surface):
+    """A document with the parameters of a surface, each stated."""
+    lines = []
+    for name, value in materialx.parameters_of(surface).items():
+        kind = "float" if isinstance(value, float) else "color3"
+        text = f"{value:.6g}" if kind == "float" else ", ".join(f"{v:.6g}" for v in value)
+        lines.append(f'<input name="{name}" type="{kind}" value="{text}" />')
+    return (
+        f'{TOP}<open_pbr_surface name="s" type="surfaceshader">{"".join(lines)}'
+        '</open_pbr_surface><surfacematerial name="m" type="material">'
+        '<input name="surfaceshader" type="surfaceshader" nodename="s" /></surfacematerial>'
+        "</materialx>"
+    )
+
+
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory):
+    path = tmp_path_factory.mktemp("mtlx") / "art.mtlx"
+    return path, materialx.write(load_finish("art-coated"), path, ExportOptions())
+
+
+def test_materialx_finds_nothing_wrong(exported):
+    path, written = exported
+    valid, faults = materialx_shader.document(path).validate()
+    assert valid, faults
+    # Negative control: it does find an input of the wrong type.
+    text = path.read_text().replace('"specular_ior" type="float"', '"specular_ior" type="color3"')
+    path.with_name("wrong.mtlx").write_text(text)
+    assert not materialx_shader.document(path.with_name("wrong.mtlx")).validate()[0]
+    [loss] = written.losses.values()
+    assert loss.words in text.replace("&gt;", ">")
+    assert ("WARNING" in text) == (not loss.is_small)
+    assert loss.de2000_p95 < 1.5 * MOST_DE2000
+
+
+def test_its_shader_compiles(exported, tmp_path):
+    validator = shutil.which("glslangValidator")
+    if validator is None:
+        pytest.skip("glslangValidator is not installed")
+    _, vertex, pixel = materialx_shader.shader(materialx_shader.document(exported[0]))
+    for name, text in (("s.vert", vertex), ("s.frag", pixel)):
+        (tmp_path / name).write_text(text)
+        done = subprocess.run(
+            [validator, tmp_path / name], capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.parametrize("name", list(SURFACES))
+def test_its_shader_shows_what_our_model_computes(ctx, tmp_path, name):
+    """The judge that nobody here wrote: MaterialX's GLSL of the document, run by OpenGL."""
+    surface = SURFACES[name]
+    path = tmp_path / "s.mtlx"
+    path.write_text(document_of(surface))
+    i, o = directions(40)
+    theirs = materialx_shader.executed(ctx, materialx_shader.document(path), i, o)
+    # float32, and an approximated arccosine in the albedo of EON (1e-3 there).
+    ours = sum(surface.evaluate(i, o)) * i[:, 2:]
+    assert theirs == pytest.approx(ours, rel=4e-3, abs=1e-5)
+    # Negative control: 3 % of roughness shows.
+    other = dataclasses.replace(surface, specular_roughness=1.03 * surface.specular_roughness)
+    assert not np.allclose(theirs, sum(other.evaluate(i, o)) * i[:, 2:], rtol=4e-3, atol=1e-5)
+
+
+def directions(count):
+    """Unit vectors to lamp and eye, up to 80 degrees from the normal; the last ones are mirrors."""
+    generator = np.random.default_rng(5)
+    ends = []
+    for _ in range(2):
+        theta = np.radians(80.0) * generator.random(count)
+        phi = 2.0 * np.pi * generator.random(count)
+        ends.append(
+            np.stack(
+                [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=-1
+            )
+        )
+    i, o = ends
+    half = count // 2
+    o[half:] = i[half:] * np.array([-1.0, -1.0, 1.0])
+    # MaterialX 1.39.5 takes i.o below 0 as 0 in EON, which is a slip: the paper of EON does not.
+    near = np.sum(i * o, axis=-1) > 0.0
+    return i[near], o[near]
