@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from imgui_bundle import imgui
 
@@ -16,7 +16,6 @@ from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.reading import printable
 from relgloss_view.catalogue.query.fault import QueryError
-from relgloss_view.catalogue.query.found import Found, Hit
 from relgloss_view.viewer.drawing.thumbnails import Thumbnails
 from relgloss_view.viewer.files.background import Worker
 from relgloss_view.viewer.files.catalogue_files import TABLE, decoded_thumbnails
@@ -31,6 +30,9 @@ from relgloss_view.viewer.state.catalogues import (
     title_of,
 )
 from relgloss_view.viewer.state.model import Model
+
+if TYPE_CHECKING:
+    from relgloss_view.catalogue.query.found import Found, Hit
 
 PANEL = "Catalogue"
 TICK_S = 0.05  #: between frames while something is under way
