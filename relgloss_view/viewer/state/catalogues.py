@@ -287,8 +287,8 @@ def found_words(found: Found | None, opened: OpenCatalogue) -> str:
 def nearest_query(row: Row) -> str:
     """The query for what looks most like an item.
 
-    >>> nearest_query({"path": 'gray "a".csv'})
-    "nearest to 'gray \"a\".csv'"
+    >>> print(nearest_query({"path": 'gray "a".csv'}))
+    nearest to 'gray "a".csv'
     """
     path = str(row["path"])
     quote = next((mark for mark in "\"'" if mark not in path), '"')
