@@ -22,8 +22,14 @@ export function namesIn(name, value) {
   return [value ?? ""];
 }
 
-const searched = Array.from({ length: COUNT }, (_, row) => ["name", "path", "source", "model"]
-  .map((name) => valuesOf(name)[row] ?? "").join("\n").toLocaleLowerCase());
+let lowered = null;
+
+/** The texts of each row that words are looked for in. */
+function searched() {
+  lowered ??= Array.from({ length: COUNT }, (_, row) => ["name", "path", "source", "model"]
+    .map((name) => valuesOf(name)[row] ?? "").join("\n").toLocaleLowerCase());
+  return lowered;
+}
 
 const distances = new Float64Array(COUNT);
 let distancesTo = "";
@@ -43,7 +49,7 @@ export function found(asked) {
   const ranges = Object.entries(asked.ranges).map(([name, [low, high]]) => [valuesOf(name), low, high]);
   const choices = Object.entries(asked.choices).map(([name, names]) => [name, valuesOf(name), names]);
   const far = asked.lab ? distancesOf(asked.lab) : null;
-  const rows = [];
+  const rows = [], texts = wanted.length ? searched() : [];
   next: for (let row = 0; row < COUNT; row++) {
     for (const [values, low, high] of ranges) {
       if (!(values[row] >= low && values[row] <= high)) continue next;
@@ -52,7 +58,7 @@ export function found(asked) {
     for (const [name, values, names] of choices) {
       if (!namesIn(name, values[row]).some((one) => names.includes(one))) continue next;
     }
-    for (const word of wanted) if (!searched[row].includes(word)) continue next;
+    for (const word of wanted) if (!texts[row].includes(word)) continue next;
     rows.push(row);
   }
   return sorted(rows, asked, far);

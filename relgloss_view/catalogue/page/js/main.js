@@ -55,7 +55,7 @@ byId("tools").replaceChildren(make("output", { id: "count" }), make("label", { c
     change({});
   }, { id: "clear" }));
 
-byId("static").remove();
+byId("static")?.remove();
 document.documentElement.dataset.live = "yes";
 const list = new List(acts);
 const showPanel = mountPanel(() => asked, change);
@@ -98,7 +98,7 @@ addEventListener("hashchange", () => {
   show();
 });
 // Pictures that come after the script are there by then.
-document.addEventListener("DOMContentLoaded", () => list.later());
+document.addEventListener("DOMContentLoaded", () => list.anew());
 window.relgloss = {
   ready: new Promise((done) => { addEventListener("load", () => done()); }),
   asked: () => asked, rows: () => rows, csv: asCsv, words: (name, row) => [words(name, row), wholeWords(name, row)],
