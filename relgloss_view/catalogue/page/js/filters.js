@@ -16,6 +16,11 @@ export function unasked() {
   };
 }
 
+/** Whether there is a filter or an order to clear. */
+export function isAsked({ text, ranges, choices, lab, sort, down }) {
+  return Boolean(text || lab || down) || sort !== "rank" || [ranges, choices].some((one) => Object.keys(one).length > 0);
+}
+
 /** The words of a choice's values, a set a row: marks are a list in one text. */
 export function namesIn(name, value) {
   if (name === "marks") return value ? value.split(",").map((one) => one.trim()) : [""];
