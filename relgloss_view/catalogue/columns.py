@@ -35,6 +35,8 @@ READINGS = {
     "distinctness": "distinctness",
 }
 
+LAB = ("L_star", "a_star", "b_star")  #: columns of the colour
+
 COLUMNS = (
     Column("path", TEXT, "", "the file, from the top of the tree, with /", "file"),
     Column("kind", TEXT, "", "table, material or proof", "kind"),

@@ -12,6 +12,7 @@ from typing import Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.json_files import read_mark
+from relgloss_view.base.reading import named
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.base.version import __version__
 from relgloss_view.catalogue import table
@@ -23,7 +24,6 @@ from relgloss_view.catalogue.tree import FORMAT, Entry
 from relgloss_view.material.files import FORMAT as MATERIAL_FORMAT
 from relgloss_view.material.files import material_text
 
-VERSION = 1  #: of the table
 
 
 @dataclass
@@ -53,7 +53,7 @@ def write_outcome(
     places = material_places(entry.path for entry in entries)
     metadata: dict[str, Any] = {
         "format": FORMAT,
-        "version": VERSION,
+        "version": table.VERSION,
         "program": __version__,
         "recipe": recipe.as_json(),
         "drivers": [],
@@ -85,7 +85,7 @@ def _row(
         return row | {"status": FAILED, "fault": entry.fault}
     item = store.item(key)
     if item is None:
-        raise InputError(f"{catalogue}: the store was changed meanwhile; build again")
+        raise InputError(f"{named(catalogue)}: the store was changed meanwhile; build again")
     row = item.row | row
     if item.material is not None:
         text = material_text(item.material).encode("utf-8")
