@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+TABLE_FILE = "catalogue.parquet"  #: in the folder of a catalogue
 TEXT, NUMBER, WHOLE, FLAG, BYTES = "text", "number", "whole number", "yes or no", "bytes"
 TABLE, MATERIAL, PROOF = "table", "material", "proof"  #: kinds of files
 DONE, FAILED = "done", "failed"  #: what became of a file

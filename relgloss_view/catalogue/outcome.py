@@ -16,14 +16,13 @@ from relgloss_view.base.reading import named
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.base.version import __version__
 from relgloss_view.catalogue import table
-from relgloss_view.catalogue.columns import DONE, FAILED
+from relgloss_view.catalogue.columns import DONE, FAILED, TABLE_FILE
 from relgloss_view.catalogue.places import FOLDER, SUFFIX, material_places
 from relgloss_view.catalogue.recipe import Recipe
 from relgloss_view.catalogue.store import PART, Store, put_whole
 from relgloss_view.catalogue.tree import FORMAT, Entry
 from relgloss_view.material.files import FORMAT as MATERIAL_FORMAT
 from relgloss_view.material.files import material_text
-
 
 
 @dataclass
@@ -66,7 +65,7 @@ def write_outcome(
             yield _row(catalogue, entry, keys.get(entry.path), places, store, written)
         metadata["drivers"] = sorted(written.drivers)
 
-    table.write_table(catalogue / table.NAME, rows(), metadata, catalogue)
+    table.write_table(catalogue / TABLE_FILE, rows(), metadata, catalogue)
     written.removed = _remove_others(catalogue, written.materials)
     return written
 
