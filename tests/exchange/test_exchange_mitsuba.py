@@ -20,8 +20,8 @@ mi = pytest.importorskip("mitsuba")
 
 ROWS = slice(254, 258)  #: of 512, about the middle of the cylinder
 SPLITS = 4  #: places along each side of a pixel, in Mitsuba as in ours
-#: What one lobe of GGX loses of a material with a sharp core and a haze, in the highlight: more than
-#: is overlooked. Others lose no more than MOST_DE2000.
+#: What one lobe of GGX loses in the highlight of a material with a sharp core and a haze: more than
+#: is overlooked. Others lose MOST_DE2000 at most.
 MOST = {
     "cast-coated": 7.2,
     "art-coated": 4.2,
