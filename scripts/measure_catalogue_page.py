@@ -115,7 +115,8 @@ def _measure(browser: Any, file: Path, times: int) -> None:
         middle, most = browsers.call(browser, TIMES.replace("ACT", act), times)
         thread = (_computed_ms(browser) - before) / times
         print(
-            f"  {name}: median {middle:.0f} ms, 95 % {most:.0f} ms, main thread {thread:.1f} ms each"
+            f"  {name}: median {middle:.0f} ms, 95 % {most:.0f} ms, main thread "
+            f"{thread:.1f} ms each"
         )
 
 

@@ -5,7 +5,6 @@ Version 1.39 of MaterialX, version 1.1 of OpenPBR. Colours are linear sRGB, `lin
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.sax.saxutils import quoteattr
@@ -122,6 +121,3 @@ def _identifier(name: str, taken: set[str]) -> str:
         unique, count = f"{plain}_{count}", count + 1
     taken.add(unique)
     return unique
-
-
-FIELDS = {field.name: field.default for field in dataclasses.fields(OpenPbr)}

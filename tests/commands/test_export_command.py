@@ -35,7 +35,10 @@ def test_out_and_in(tmp_path, capsys):
         (["export", "uncoated", "-o", "x.txt"], "expected a name that ends with one of .mtlx"),
         (["export", "nothing-here", "-o", "x.mtlx"], "nothing-here"),
         (["export", "uncoated", "-o", "x.mtlx", "--pixels", "3"], "expected 16 to"),
-        (["export", "uncoated", "-o", "x.mtlx", "--step", "nan"], "expected 0.1 to"),
+        (
+            ["export", "uncoated", "-o", "x.csv", "--grid", "in-plane:nan"],
+            "expected a step from 0.1 to",
+        ),
         (["import", "nothing-here", "-o", "x.json"], "nothing-here"),
     ],
 )
