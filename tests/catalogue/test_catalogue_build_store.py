@@ -71,7 +71,7 @@ def test_order_and_number_of_workers_do_not_show(quick, tmp_path, monkeypatch, s
 
 def test_a_kill_at_every_step_loses_at_most_the_item_in_hand(quick, tmp_path, monkeypatch):
     """The process ends before and after each file that gets its name, as a kill would end it."""
-    tree = quick_tree(tmp_path / "tree")
+    tree = quick_tree(tmp_path / "tree", 4)
     build(tree, tmp_path / "plain")
     expected = contents(tmp_path / "plain")
     replace = os.replace
@@ -99,12 +99,12 @@ def test_a_kill_at_every_step_loses_at_most_the_item_in_hand(quick, tmp_path, mo
             kept = len([*(tmp_path / "killed").glob("items/*/*.json")])
             quick.clear()
             build(tree, tmp_path / "killed")
-            assert len(quick) == 6 - kept
+            assert len(quick) == 4 - kept
             assert contents(tmp_path / "killed") == expected
         if status == 0:
             break
         steps += 1
-    assert steps >= 6 + 6 + 2  # each item, each material, the mark and the table
+    assert steps >= 4 + 4 + 2  # each item, each material, the mark and the table
 
 
 def test_a_record_that_is_not_whole_is_made_again(quick, tmp_path):
