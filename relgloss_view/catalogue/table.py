@@ -16,6 +16,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.json_files import parse_json
 from relgloss_view.base.reading import check_regular, named, printable
 from relgloss_view.base.writing import whole_file
 from relgloss_view.catalogue.columns import BYTES, COLUMNS, FLAG, NAMES, NUMBER, TEXT, WHOLE, Column
@@ -75,8 +76,8 @@ def read_metadata(path: Path) -> dict[str, Any]:
     with _opened(path) as file:
         held = (file.metadata.metadata or {}).get(KEY)
     try:
-        content = json.loads(held or b"")
-    except ValueError:
+        content = parse_json((held or b"").decode("utf-8"))
+    except (InputError, UnicodeDecodeError):
         content = None
     if not isinstance(content, dict):
         raise InputError(f"{named(path)}: not {EXPECTED}")

@@ -128,12 +128,12 @@ def _from_table(file: Path, recipe: Recipe) -> Fitted:
     assert material.fit is not None
     geometries = int(material.fit.residuals.get("samples", measurement.kept.sum()))
     fit = dataclasses.replace(material.fit, seconds=0.0)  # equal input gives equal bytes
-    return Fitted(_as_json(dataclasses.replace(material, fit=fit)), geometries)
+    return Fitted(material_json(dataclasses.replace(material, fit=fit)), geometries)
 
 
 def _from_material(file: Path, recipe: Recipe) -> Fitted:
     del recipe
-    return Fitted(_as_json(load_material(file)))
+    return Fitted(material_json(load_material(file)))
 
 
 def _from_proof(file: Path, recipe: Recipe) -> Fitted:
@@ -147,10 +147,10 @@ def _from_proof(file: Path, recipe: Recipe) -> Fitted:
         scene, look = pair.scenes["test"], pair.looks["test"]
         material = SampleLook("", scene.material, look, scene.pack).judged_material
     material = dataclasses.replace(material, name=opened.proof.title or material.name)
-    return Fitted(_as_json(material), sigma_n_deg=look.sigma_n_deg)
+    return Fitted(material_json(material), sigma_n_deg=look.sigma_n_deg)
 
 
-def _as_json(material: Material) -> dict[str, Any]:
+def material_json(material: Material) -> dict[str, Any]:
     """The JSON object of a material, of lists and plain numbers as a file holds them."""
     try:
         content: dict[str, Any] = json.loads(

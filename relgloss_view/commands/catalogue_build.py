@@ -141,9 +141,9 @@ def recipe_from(args: argparse.Namespace) -> Recipe:
     """The recipe of the command line; InputError where the reference is none."""
     from relgloss_view.catalogue.one_thread import one_thread
     from relgloss_view.catalogue.recipe import Recipe
+    from relgloss_view.catalogue.work import material_json
     from relgloss_view.commands.sample_arguments import sample_argument
     from relgloss_view.gloss.match import absolute_c
-    from relgloss_view.material.files import material_to_dict
     from relgloss_view.picture.scene.look import Look
     from relgloss_view.picture.scene.sample import SAMPLES
     from relgloss_view.picture.scene.setting import FULL_SHARE
@@ -162,9 +162,8 @@ def recipe_from(args: argparse.Namespace) -> Recipe:
     with one_thread():
         c = absolute_c(sample.look, sample.material)
     full = sample.look.c is None and sample.look.setting.c_fraction == FULL_SHARE
-    content = json.loads(json.dumps(material_to_dict(sample.material)))
     return Recipe(
-        reference=name if name in SAMPLES else content,
+        reference=name if name in SAMPLES else material_json(sample.material),
         reference_sigma_n_deg=sample.look.sigma_n_deg,
         reference_c=None if full else c,
         gloss=args.gloss,

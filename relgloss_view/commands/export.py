@@ -54,6 +54,18 @@ def add(commands: Any) -> None:
         help="Step of the directions of a table, in degrees (formats that hold tables)",
     )
     parser.add_argument(
+        "--grid",
+        metavar="GRID",
+        help="Directions of a CSV: gcms (the goniophotometer's 997), in-plane, in-plane:STEP in "
+        "degrees, or a CSV file of your own directions",
+    )
+    parser.add_argument(
+        "--basis",
+        choices=("tensor-tree", "klems"),
+        help="Directions of a BSDF XML: tensor-tree (Radiance, keeps the gloss; the default) or "
+        "klems (WINDOW, loses it)",
+    )
+    parser.add_argument(
         "--form",
         metavar="FORM",
         choices=[form for form in SHAPES if form != "mesh"],
@@ -88,6 +100,8 @@ def run(args: argparse.Namespace) -> int:
     what = sample_of(args.sample)
     options = ExportOptions(
         step_deg=args.step,
+        grid=args.grid,
+        basis=args.basis,
         shape=Shape(args.form) if args.form else None,
         most_px=args.pixels,
     )
@@ -104,12 +118,12 @@ def run(args: argparse.Namespace) -> int:
         return 0
     for line in exported.lines:
         print(printable(line, 400))
-    for name, loss in exported.losses.items():
-        if not loss.is_small:
-            warn(
-                f"{printable(name, 60)}: more is lost than the eye or a gloss meter overlooks; "
-                "compare the pictures before you use the file"
-            )
+    lossy = [printable(name, 60) for name, loss in exported.losses.items() if not loss.is_small]
+    if lossy:
+        warn(
+            f"compare the pictures before you use the file: more is lost of {', '.join(lossy)} "
+            "than the eye or a gloss meter overlooks"
+        )
     print(f"{printable(args.output)}: written as {chosen.name}")
     return 0
 

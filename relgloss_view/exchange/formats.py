@@ -26,12 +26,16 @@ class ExportOptions:
     """What a user asks for beside the format; a writer ignores what it has no use for.
 
     step_deg: of grids and tables, degrees; None for the format's own. shape: the form of a plain
-    material, where the format holds one. most_px: the longest side of textures, pixels.
+    material, where the format holds one. most_px: the longest side of textures, pixels. grid: of
+    CSV tables, `gcms`, `in-plane`, `in-plane:STEP` or a file of directions. basis: of BSDF XML,
+    `tensor-tree` or `klems`.
     """
 
     step_deg: float | None = None
     shape: Shape | None = None
     most_px: int = 4096
+    grid: str | None = None
+    basis: str | None = None
 
 
 @dataclass(frozen=True)
@@ -99,6 +103,9 @@ def _is_gltf(head: bytes) -> bool:
 FORMATS: dict[str, Format] = {
     ".mtlx": Format("MaterialX (OpenPBR surface)", "materialx:write", takes_packs=True),
     ".glb": Format("glTF 2.0", "gltf:write", takes_packs=True),
+    ".binary": Format("MERL binary", "merl:write"),
+    ".csv": Format("CSV of directions and values", "csv_out:write"),
+    ".xml": Format("BSDF XML (Radiance, WINDOW)", "bsdf_xml:write"),
 }
 #: What is read, by its beginning.
 READERS: tuple[ReadFormat, ...] = (

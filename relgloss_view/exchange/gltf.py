@@ -105,30 +105,31 @@ def _pack(pack: Pack, most_px: int) -> tuple[bytes, Exported]:
     size = texture_size(pack, label, most_px)
     builder = Builder()
     pictures = _Pictures(builder, label.around)
-    lines, lying = list(PACK_LINES), set[int]()
-    made: dict[tuple[int, int], Maps] = {}
+    lying = set[int]()
+    made: dict[tuple[int, int], tuple[Maps, dict[str, Any]]] = {}
     textured, numbers = [], []
     for part, name in enumerate(label.parts):
         key = layers.part_finish[part], layers.part_diffuse[part]
         if key not in made:
-            made[key] = maps_of(pack, label, part, surfaces, size if min(key) < 0 else (1, 1))
-            lying.update(made[key].finishes)
-        entry = _entry(pictures, made[key])
-        named = [pack.finishes[k].name for k in made[key].finishes]
-        entry["extras"] = {OWN: {"finishes": named}}
+            maps = maps_of(pack, label, part, surfaces, size if min(key) < 0 else (1, 1))
+            made[key] = maps, _entry(pictures, maps)
+            lying.update(maps.finishes)
+        maps, entry = made[key]
+        named = {"finishes": [pack.finishes[k].name for k in maps.finishes]}
         builder.uses(entry.get("extensions", {}))
-        numbers.append(builder.add("materials", {"name": name, **entry}))
-        textured.append(_has_textures(made[key]))
+        numbers.append(builder.add("materials", {"name": name, **entry, "extras": {OWN: named}}))
+        textured.append(_has_textures(maps))
     mesh = triangles_of(pack.shape)
     _put_mesh(builder, mesh, pack.name, numbers, textured)
-    outside = max(maps.outside for maps in made.values())
-    if outside > 0.0:
-        lines.append(f"{100.0 * outside:.1f} % of the label is outside sRGB and is cut to it")
-    lines += [
+    outside = max(maps.outside for maps, _ in made.values())
+    lines = [
         f"{printable(pack.finishes[k].name, 60)}: {line}"
         for k in sorted(lying)
-        for line in refits[k].lines[:1] + refits[k].notes
+        for line in refits[k].lines[:2] + refits[k].notes
     ]
+    lines += PACK_LINES
+    if outside > 0.0:
+        lines.append(f"{100.0 * outside:.1f} % of the label is outside sRGB and is cut to it")
     losses = {pack.finishes[k].name: refits[k].loss for k in sorted(lying)}
     extras = {
         "lines": lines,

@@ -6,7 +6,6 @@ Version 1.39 of MaterialX, version 1.1 of OpenPBR. Colours are linear sRGB, `lin
 from __future__ import annotations
 
 import dataclasses
-import re
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.sax.saxutils import quoteattr
@@ -81,7 +80,7 @@ def _material(part: _Part) -> list[str]:
     parameters = parameters_of(surface)
     own = own_numbers(part.material, parameters)
     loss = part.refit.loss
-    words = f"{part.material.name}, by relgloss {__version__}; {'; '.join(part.refit.lines[:1])}"
+    words = f"{part.material.name}, by relgloss {__version__}; {'; '.join(part.refit.lines[:2])}"
     if not loss.is_small:
         words = f"WARNING: {words}"
     shader = f"{part.name}_surface"
@@ -103,7 +102,10 @@ def _material(part: _Part) -> list[str]:
 
 def _printable(text: str) -> str:
     """The text without the characters that XML 1.0 forbids."""
-    return re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "\ufffd", text)
+    return "".join(
+        c if c >= " " and not "\ud800" <= c <= "\udfff" and c not in "\ufffe\uffff" else "\ufffd"
+        for c in text
+    )
 
 
 def _identifier(name: str, taken: set[str]) -> str:
@@ -112,7 +114,8 @@ def _identifier(name: str, taken: set[str]) -> str:
     >>> _identifier("matte-coated, green ink", set())
     'matte_coated_green_ink'
     """
-    plain = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")[:LONGEST_NAME] or "material"
+    words = "".join(c if c.isascii() and c.isalnum() else " " for c in name).split()
+    plain = "_".join(words)[:LONGEST_NAME] or "material"
     plain = f"m_{plain}" if plain[0].isdigit() else plain
     unique, count = plain, 2
     while unique in taken:

@@ -18,6 +18,8 @@ from relgloss_view.exchange.openpbr import WHITE, OpenPbr
 
 ALBEDO_HIGH = 1.0
 INDEX = (1.0, 10.0)
+#: Its facets are about as wide as the narrowest lobe that is drawn here (S_DEG_DRAWN).
+LEAST_ROUGHNESS = 0.0324
 
 
 class Model(NamedTuple):
@@ -30,8 +32,7 @@ class Model(NamedTuple):
 
     def surface(self, values: Values) -> tuple[OpenPbr, tuple[str, ...]]:
         """The surface, and a line for each thing that it does not hold."""
-        surface = self.make(values)
-        lines = []
+        surface, lines = _drawable(self.make(values))
         for name, nothing, word in self.absent:
             before = set(values.unread)
             number = _first(values, name, nothing)
@@ -40,6 +41,19 @@ class Model(NamedTuple):
                 lines.append(f"{word} ({name})")
         lines += [f"{name}: comes from {what}" for name, what in values.unread.items()]
         return surface, tuple(dict.fromkeys(lines))
+
+
+def _drawable(surface: OpenPbr) -> tuple[OpenPbr, list[str]]:
+    """The surface with lobes that can be drawn: a point lamp in a mirror has no limit image."""
+    lines: list[str] = []
+    changed: dict[str, Any] = {}
+    for name in ("specular_roughness", "coat_roughness"):
+        value = getattr(surface, name)
+        used = name.startswith("specular") or surface.coat_weight > 0.0
+        if used and value < LEAST_ROUGHNESS:
+            changed[name] = LEAST_ROUGHNESS
+            lines.append(f"{name} {value:g}: a mirror, drawn with {LEAST_ROUGHNESS:.3g}")
+    return dataclasses.replace(surface, **changed), lines
 
 
 def _first(values: Values, name: str, nothing: float) -> float:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.exchange import ggx
+from relgloss_view.exchange import ggx, judge
 from relgloss_view.exchange.loss import Loss, Surface
 from relgloss_view.exchange.openpbr import OpenPbr
 from relgloss_view.exchange.search import Family, Found, Unknown, nearest
@@ -24,6 +24,7 @@ from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.measure.bands import RGB
 
 LAMP = "D65"
+BEHIND_DEG = 110.0  #: azimuth of the lamp of a second look at what is lost
 COAT_INDEX = 1.5
 #: Index of a base below a coat of COAT_INDEX whose border reflects as glass in air does.
 BELOW_INDEX = COAT_INDEX * 1.5
@@ -44,10 +45,14 @@ class Refit:
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """The way that was taken, and what is lost, one line each."""
-        taken = f"fitted with {self.way}: {self.loss.words}"
-        passed = [f"not taken: {found.name}: {found.loss.words}" for found in self.others]
-        return (taken, *passed, *self.notes)
+        """What the loss means, its numbers, the ways that lose more, and notes; one line each."""
+        taken = (self.loss.verdict, f"fitted with {self.way}: {self.loss.words}")
+        passed = ", ".join(
+            f"{found.name} (dE2000 {found.loss.de2000_p95:.1f}, up to "
+            f"{found.loss.largest_gloss_units:.1f} gloss units)"
+            for found in self.others
+        )
+        return (*taken, *((f"tried, and loses more: {passed}",) if passed else ()), *self.notes)
 
 
 def linear_rgb(spectrum: Array, material: Material) -> Array:
@@ -92,7 +97,19 @@ def refit_openpbr(material: Material) -> Refit:
 def refit_with(material: Material, families: tuple[Family, ...]) -> Refit:
     """The best of several ways to show a material."""
     best, *others = nearest(material, families)
-    return Refit(best.surface, best.name, best.loss, tuple(others), colour_notes(material))
+    notes = (*colour_notes(material), *_turned(material, best.surface))
+    return Refit(best.surface, best.name, best.loss, tuple(others), notes)
+
+
+def _turned(material: Material, surface: Surface) -> tuple[str, ...]:
+    """The loss under a lamp from behind, where grazing reflection differs most."""
+    points = judge.points_of(BEHIND_DEG)
+    picture = judge.picture_of(judge.seen(material, points))
+    p95, largest = judge.difference(picture, judge.seen(surface, points))
+    return (
+        f"under a lamp from behind (azimuth {BEHIND_DEG:g} degrees): highlight dE2000 p95 "
+        f"{p95:.1f}, largest {largest:.1f}",
+    )
 
 
 def openpbr_families(material: Material) -> tuple[Family, ...]:

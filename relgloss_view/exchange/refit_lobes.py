@@ -110,9 +110,20 @@ def _families(
                 lobes.append(Lobe((float(x[k + 1]),), s_deg, f0=metal))
         return Material(name, source, RGB, diffuse, tuple(lobes))
 
+    def as_stated(x: Array) -> Material:
+        """With the widths that the surface states: those of a mirror cannot be searched for."""
+        count = len(body) + len(own)
+        pairs = [(np.log(s_deg), value) for s_deg, value in zip(widths, x[count:], strict=True)]
+        return make(np.concatenate([x[:count], *pairs]))
+
     one = (*body, *own, main, strength)
-    return (Family("one lobe", one, make), Family("two lobes", (*one, wide, weak), make))
+    strengths = [strength for _ in widths]
+    return (
+        Family("one lobe", one, make),
+        Family("two lobes", (*one, wide, weak), make),
+        Family("lobes of the stated widths", (*body, *own, *strengths), as_stated),
+    )
 
 
 def _width_deg(alpha: float) -> float:
-    return min(max(math.degrees(S_PER_ALPHA * alpha), 2.0 * S_DEG_DRAWN), 0.95 * S_DEG_MAX)
+    return min(max(math.degrees(S_PER_ALPHA * alpha), 1.02 * S_DEG_DRAWN), 0.95 * S_DEG_MAX)

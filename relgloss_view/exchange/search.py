@@ -34,7 +34,7 @@ ROWS = 5  #: of the picture while searching
 ENOUGH = 0.5
 #: A reading of a mirror is hundreds of units; this share of it counts as MOST_GLOSS_UNITS there.
 GLOSS_SHARE = 0.03
-GLOSS_WEIGHT = 0.7
+GLOSS_WEIGHT = 1.2
 #: Azimuths of the lamp, degrees, and the weights of their pictures: the paper's, which is judged,
 #: and lamps from the front and from behind, so that a surface holds where it is turned.
 LAMPS = ((judge.AZIMUTH_DEG, 1.0), (10.0, 0.4), (110.0, 0.4))

@@ -44,6 +44,10 @@ ELSEWHERE = {
     "viewer/files/proof_files.py": "what it has unpacked, and its own session file",
     "proof/carry.py": "the folder that it has written",
     "pack/artwork/pdf.py": "the answer and the files of its own child",
+    "catalogue/store.py": "its own records", "catalogue/outcome.py": "what it has written",
+    "catalogue/folder.py": "its own lock", "catalogue/work.py": "whether a file may be read",
+    "catalogue/cluster_processes.py": "its own children", "catalogue/one_thread.py": "/proc",
+    "catalogue/cluster_worker.py": "its own parent's words, and the program itself",
     "pack/artwork/pdf_streams.py": "unpacks a stream behind the gate",
 }  # fmt: skip
 READS = {"read_text", "read_bytes", "memmap", "fromfile", "loadtxt", "genfromtxt"}

@@ -80,6 +80,18 @@ def test_nearest_with_sheet_and_proofs(capsys, stock, tmp_path):
     assert left == ["001-uncoated.html", "mine.txt", "proofs.json"]
 
 
+def test_page_leads_to_the_proofs(capsys, stock, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    status, text, _ = run(
+        capsys, stock, "name contains art-coated", "--page", "hits.html", "--proofs", "proofs"
+    )
+    assert status == 0
+    assert "hits.html: page of the hits" in text
+    page = (tmp_path / "hits.html").read_text()
+    assert 'href="./proofs/001-art-coated.html"' in page
+    assert (tmp_path / "proofs" / "001-art-coated.html").is_file()
+
+
 def test_no_hits_are_no_fault(capsys, stock, tmp_path):
     sheet = tmp_path / "none.png"
     status, text, error = run(capsys, stock, "gloss 75 above 2000", "-o", sheet)

@@ -5,12 +5,11 @@ from __future__ import annotations
 import dataclasses
 import functools
 import http.server
-import sys
 import threading
-from pathlib import Path
 
 import numpy as np
 import pytest
+from browsers import SWIFTSHADER, call, call_array, chromium, console, open_page
 from gltf_judges import FOLDER
 
 import relgloss_view as rg
@@ -27,9 +26,6 @@ from relgloss_view.picture.model import lights
 from relgloss_view.picture.model.sight import sight
 from relgloss_view.picture.model.view import view_of
 from relgloss_view.picture.scene.setup import Lamp, Setup
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "proof"))
-from browsers import SWIFTSHADER, call, call_array, chromium, console, open_page
 
 pytestmark = pytest.mark.slow
 

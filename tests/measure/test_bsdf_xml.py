@@ -163,7 +163,7 @@ FLAT = blocks("LBNL/Klems Quarter", np.full((41, 41), 0.1))
 
 
 @pytest.mark.parametrize(("content", "part", "message"), [
-    (document("q", FLAT, "TensorTree4"), None, "tensor tree of Radiance .*bsdf2klems"),
+    (document("q", FLAT, "TensorTree4"), None, "AngleBasis '' of a tensor tree"),
     (document("q", FLAT, "Diagonal"), None, "IncidentDataStructure 'Diagonal'"),
     (document("q", FLAT.replace("Quarter", "Third")), None, "'LBNL/Klems Third' is not defined"),
     (document("q", FLAT.replace("BRDF", "Fractional Diffuse")), None, "'Fractional Diffuse'"),

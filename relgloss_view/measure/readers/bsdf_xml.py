@@ -1,4 +1,4 @@
-"""BSDF in XML, as WINDOW and Radiance's genBSDF write it: matrices of reflection.
+"""BSDF in XML, as WINDOW and Radiance's genBSDF write it: matrices or tensor trees of reflection.
 
 A matrix holds the BSDF, in 1/sr, between the patches of two angle bases, averaged over both
 patches. Azimuths of incidence are those of where the light goes, and azimuths of departure those of
@@ -28,6 +28,7 @@ from relgloss_view.measure.readers.assemble import assemble, one_channel
 from relgloss_view.measure.readers.declared import MAX_APERTURE_SD_DEG, Declared
 from relgloss_view.measure.readers.klems import Basis, known_bases, read_basis
 from relgloss_view.measure.readers.options import ReadOptions
+from relgloss_view.measure.readers.tensor_tree_file import tree_readings
 from relgloss_view.measure.readers.tristimulus import rgb_of
 from relgloss_view.measure.table import Measurement
 
@@ -72,6 +73,8 @@ def read(path: Path, options: ReadOptions) -> Measurement:
     layer, structure = _definition(root, place)
     blocks = list(_blocks(layer))
     surface, notes = _surface(blocks, options.part, place)
+    if structure.startswith("tensortree"):
+        return _read_trees(path, options, structure, surface, blocks, layer, notes)
     chosen, bands = _channels([b for b in blocks if b.direction == surface], place, surface)
     passed = _passed_over(blocks, chosen)
     if passed:
@@ -110,10 +113,9 @@ def read(path: Path, options: ReadOptions) -> Measurement:
         f"each value is an average over patches (angle basis {first.incident.name}): a highlight "
         f"narrower than {0.5 * float(np.hypot(*spread)):.2g} deg of the half-vector is not resolved"
     )
-    name = printable((layer.findtext("Material/Name") or "").strip(), 200)
     facts = Declared(
-        name=name or path.stem,
-        source=f"{path.name}, BSDF XML (WINDOW, Radiance), {surface}",
+        name=_name(layer, path),
+        source=f"{_computed(layer)}{path.name}, BSDF XML (WINDOW, Radiance), {surface}",
         quantity=options.quantity_or(BRDF),
         quantity_insisted=options.quantity is not None,
         aperture_sd_deg=(min(spread[0], MAX_APERTURE_SD_DEG), min(spread[1], MAX_APERTURE_SD_DEG)),
@@ -126,8 +128,54 @@ def read(path: Path, options: ReadOptions) -> Measurement:
     return replace(measurement, warnings=(*measurement.warnings, *unused))
 
 
+def _read_trees(
+    path: Path,
+    options: ReadOptions,
+    structure: str,
+    surface: str,
+    blocks: list[Block],
+    layer: Element,
+    notes: list[str],
+) -> Measurement:
+    """The measurement of a file of tensor trees."""
+    first: dict[str, Element] = {}
+    for block in blocks:
+        if block.direction == surface:
+            first.setdefault(block.wavelength, block.element)
+    read = tree_readings(structure, first, named(path))
+    facts = Declared(
+        name=_name(layer, path),
+        source=f"{_computed(layer)}{path.name}, BSDF XML (tensor tree, Radiance), {surface}",
+        quantity=options.quantity_or(BRDF),
+        quantity_insisted=options.quantity is not None,
+        aperture_sd_deg=(
+            min(round(read.cell_sd_deg, 3), MAX_APERTURE_SD_DEG),
+            min(round(read.cell_sd_deg, 3), MAX_APERTURE_SD_DEG),
+        ),
+        warnings=(*notes, *read.notes),
+    )
+    angles = np.concatenate([read.to_lamp, read.to_receiver], axis=1)
+    measurement = assemble(
+        path, facts, angles, read.bands, read.values, (read.to_lamp, read.to_receiver), read.group
+    )
+    unused = options.unused("gamma_s_deg", "angle_unit", "mirror")
+    warnings = (*measurement.warnings, *unused)
+    return replace(measurement, warnings=warnings, tabulated=True)
+
+
+def _name(layer: Element, path: Path) -> str:
+    name = printable((layer.findtext("Material/Name") or "").strip(), 200)
+    return name or path.stem
+
+
+def _computed(layer: Element) -> str:
+    """What marks a table that relgloss computed from a model."""
+    maker = (layer.findtext("Material/Manufacturer") or "").strip()
+    return "synthetic (computed by relgloss), " if maker.startswith("relgloss ") else ""
+
+
 def _definition(root: Element, place: str) -> tuple[Element, str]:
-    """The layer that holds the data, and how its matrices are laid out: 'columns' or 'rows'."""
+    """The layer that holds the data, and how it is laid out: 'columns', 'rows' or a tensor tree."""
     if root.tag != "WindowElement":
         raise InputError(f"{place}: the file begins with {printable(root.tag, 40)!r}; "
                          f"give {EXPECTED}")  # fmt: skip
@@ -136,14 +184,11 @@ def _definition(root: Element, place: str) -> tuple[Element, str]:
         raise InputError(f"{place}: no WavelengthData; the file holds no BSDF")
     layer = layers[0]
     structure = (layer.findtext("DataDefinition/IncidentDataStructure") or "columns").strip()
-    if structure.lower().startswith("tensortree"):
+    known = structure.lower() in ("columns", "rows")
+    if not known and not structure.lower().startswith("tensortree"):
         raise InputError(
-            f"{place}: the BSDF is a tensor tree of Radiance ({printable(structure, 20)}); convert "
-            "it with `bsdf2klems` of Radiance to a matrix, and give that file"
-        )
-    if structure.lower() not in ("columns", "rows"):
-        raise InputError(
-            f"{place}: IncidentDataStructure {printable(structure, 30)!r}; expected Columns or Rows"
+            f"{place}: IncidentDataStructure {printable(structure, 30)!r}; expected Columns, Rows, "
+            "TensorTree3 or TensorTree4"
         )
     return layer, structure.lower()
 

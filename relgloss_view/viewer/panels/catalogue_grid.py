@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import ImVec2, imgui
 
-from relgloss_view.catalogue.query.found import Found, Hit
 from relgloss_view.viewer.panels.drop_hand import PAYLOAD
-from relgloss_view.viewer.panels.list_rows import fitting
+from relgloss_view.viewer.panels.list_rows import both_ends, fitting
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import POPUP, em, gray
 from relgloss_view.viewer.state.catalogues import (
@@ -22,6 +21,7 @@ from relgloss_view.viewer.state.catalogues import (
 )
 
 if TYPE_CHECKING:
+    from relgloss_view.catalogue.query.found import Found, Hit
     from relgloss_view.viewer.shell.catalogue_actions import CatalogueActions
 
 NOTHING = "Nothing is found. Loosen a condition, or empty the search."
@@ -53,9 +53,9 @@ class _Grid:
         self.actions, self.found = actions, found
         self.gap, self.pad = em(GAP_EM), em(PAD_EM)
         self.room = max(imgui.get_content_region_avail().x, 1.0)
-        # As many tiles of the wanted width as fit, widened a little so that they fill the line.
+        # Tiles of about the wanted width, which fill the line.
         wanted = em(actions.tile_em) + 2.0 * self.pad
-        self.columns = max(1, int((self.room + self.gap) / (wanted + self.gap)))
+        self.columns = max(1, round((self.room + self.gap) / (wanted + self.gap)))
         fill = (self.room + self.gap) / self.columns - self.gap
         self.width = math.floor(min(fill, 1.5 * wanted))
         self.picture = self.width - 2.0 * self.pad
@@ -168,7 +168,7 @@ class _Grid:
         self._marks(hit, left, corner.y)
         y = corner.y + 0.5 * self.pad
         bright = imgui.get_color_u32(imgui.Col_.text)
-        painter.add_text(ImVec2(left, y), bright, fitting(title_of(hit.row), self.picture))
+        painter.add_text(ImVec2(left, y), bright, both_ends(title_of(hit.row), self.picture))
         numbers = numbers_of(hit, self.found)
         self._quiet(ImVec2(left, y + self.line), fitting(numbers, self.picture))
         if selected:
