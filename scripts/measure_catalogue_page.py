@@ -114,9 +114,7 @@ def _measure(browser: Any, file: Path, times: int) -> None:
         before = _computed_ms(browser)
         middle, most = browsers.call(browser, TIMES.replace("ACT", act), times)
         thread = (_computed_ms(browser) - before) / times
-        print(
-            f"  {name}: median {middle:.0f} ms, 95 % {most:.0f} ms, thread {thread:.1f} ms each"
-        )
+        print(f"  {name}: median {middle:.0f} ms, 95 % {most:.0f} ms, thread {thread:.1f} ms each")
 
 
 def _computed_ms(browser: Any) -> float:
