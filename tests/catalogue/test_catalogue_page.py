@@ -249,7 +249,7 @@ def test_elements_are_used_again_and_lists_that_shrink_show_their_rows(page_brow
       list.scrollTop = 1e9;
       await rest(100);
       location.hash = "#text=gloss&gloss_60=40..50"; // which scrolls the list nowhere
-      await rest(300);
+      await new Promise((done) => addEventListener("hashchange", done, {once: true}));
       const box = list.getBoundingClientRect();
       const seen = [...document.querySelectorAll(".tile")]
         .map((one) => one.getBoundingClientRect())
