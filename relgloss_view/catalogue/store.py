@@ -23,7 +23,7 @@ from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.reading import named
 from relgloss_view.catalogue.columns import DONE, TABLE
 from relgloss_view.catalogue.item import OF_FILE, OF_MACHINE, Fitted, Item
-from relgloss_view.catalogue.recipe import REVISION, Recipe
+from relgloss_view.catalogue.recipe import MADE_BY, Recipe
 from relgloss_view.catalogue.tree import Entry
 
 ITEMS = "items"
@@ -48,7 +48,7 @@ class Kept:
 
 def key_of(entry: Entry, recipe: Recipe) -> str:
     """The name of a file's record."""
-    fit = recipe.of_fit if entry.kind == TABLE else str(REVISION)
+    fit = recipe.of_fit if entry.kind == TABLE else MADE_BY
     name = os.path.basename(entry.file)
     parts = [entry.kind.encode(), entry.sha256.encode(), fit.encode(), os.fsencode(name)]
     return hashlib.sha256(b"\0".join(parts)).hexdigest()

