@@ -52,10 +52,9 @@ def with_metals(folds: Folds, candidates: list[Candidate], tried: str) -> list[C
         start, plain = by_name.get(coloured), by_name.get(neutral)
         if start is None or not _is_called_for(rung, plain, start):
             continue
-        candidate = fitted(folds, rung, start)
-        if largest_f0(candidate.solution.state) <= LARGEST_F0:
-            by_name[rung.name] = candidate
+        by_name[rung.name] = fitted(folds, rung, start)
     made = [by_name[name] for name in NAMES if name in by_name]
+    made = [one for one in made if largest_f0(one.solution.state) <= LARGEST_F0]
     last = next((k for k, c in enumerate(candidates) if c.rung.spectral and c.rung.lobes > 1), None)
     place = len(candidates) if last is None else last
     # Of two coloured lobes each has a strength in each band, of two metals a white part too.

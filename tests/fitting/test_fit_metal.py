@@ -97,7 +97,8 @@ class TestChoice:
         assert material.fit.chosen == "two-metals"
         assert material.fit.quality == "good"
         narrow, wide = material.specular
-        assert narrow.is_metal and wide.is_metal
+        assert narrow.is_metal
+        assert wide.is_metal
         assert (narrow.s_deg, wide.s_deg) == pytest.approx((1.5, 7.0), rel=0.02)
 
     def test_a_bright_dielectric_stays_one(self) -> None:
