@@ -18,7 +18,7 @@ from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.reading import named, printable
 from relgloss_view.base.shell import command_line
 from relgloss_view.base.terminal import ProgressReport, no_progress
-from relgloss_view.catalogue.columns import FAILED
+from relgloss_view.catalogue.columns import FAILED, TABLE_FILE
 from relgloss_view.catalogue.engine import EngineOptions, Lost, Task, run
 from relgloss_view.catalogue.folder import claimed, write_mark
 from relgloss_view.catalogue.item import OF_MACHINE, Fitted, Item
@@ -232,7 +232,7 @@ def words_of(report: Report, output: str) -> list[str]:
         words = _counted(report.passed_over, "file")
         lines.append(f"{words} passed over: no table, material or proof{_doubtful_words(report)}")
     if report.is_complete:
-        lines.append(f"{printable(os.path.join(output, 'catalogue.parquet'))}: written")
+        lines.append(f"{printable(os.path.join(output, TABLE_FILE))}: written")
     return lines
 
 

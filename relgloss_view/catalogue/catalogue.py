@@ -6,12 +6,14 @@ import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import named, printable, refuse
 from relgloss_view.catalogue import table
+from relgloss_view.catalogue.columns import TABLE_FILE
+from relgloss_view.catalogue.places import parts_within
 from relgloss_view.catalogue.recipe import Recipe
 from relgloss_view.catalogue.tree import FORMAT, MARK, is_catalogue
 from relgloss_view.material.files import load_material
@@ -45,7 +47,7 @@ class Catalogue:
         place = Path(folder)
         if not is_catalogue(place):
             raise InputError(f"{named(place)}: is no catalogue; {REMEDY}")
-        path = place / table.NAME
+        path = place / TABLE_FILE
         if not os.path.lexists(path):
             raise InputError(
                 f"{named(place)}: holds no table yet, because its build did not end; build it again"
@@ -58,7 +60,7 @@ class Catalogue:
     @property
     def table(self) -> Path:
         """The Parquet file."""
-        return self.folder / table.NAME
+        return self.folder / TABLE_FILE
 
     @cached_property
     def rows(self) -> tuple[dict[str, Any], ...]:
@@ -92,10 +94,10 @@ class Catalogue:
     def material_file(self, path: str) -> Path:
         """The material file of an item; InputError where it has none."""
         place = self.row(path)["material"]
-        parts = PurePosixPath(place).parts if place else ()
-        if not parts:
+        if not place:
             raise InputError(f"{printable(path, 100)}: has no material, because it has failed")
-        if PurePosixPath(place).is_absolute() or ".." in parts or "\\" in place:
+        parts = parts_within(place)
+        if not parts:
             raise InputError(f"{named(self.table)}: names a material outside the catalogue")
         return self.folder.joinpath(*parts)
 

@@ -12,13 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.exchange.loss import Surface
+from relgloss_view.exchange.loss import LAMP, Surface
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Material
 from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.measure.bands import RGB
-
-LAMP = "D65"
 
 
 @dataclass(frozen=True)

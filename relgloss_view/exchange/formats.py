@@ -18,6 +18,9 @@ from relgloss_view.material.material import Material
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import Shape
 
+MOST_PX = 4096  #: the longest side of a texture where nobody asks for another
+#: Directions of BSDF XML: of Radiance, and of WINDOW.
+BASES = TREE, KLEMS = "tensor-tree", "klems"
 HEAD_BYTES = 4096  #: by which a file's format is recognised
 
 
@@ -25,16 +28,14 @@ HEAD_BYTES = 4096  #: by which a file's format is recognised
 class ExportOptions:
     """What a user asks for beside the format; a writer ignores what it has no use for.
 
-    step_deg: of grids and tables, degrees; None for the format's own. shape: the form of a plain
-    material, where the format holds one. most_px: the longest side of textures, pixels. grid: of
-    CSV tables, `gcms`, `in-plane`, `in-plane:STEP` or a file of directions. basis: of BSDF XML,
-    `tensor-tree` or `klems`. bare: without the material itself, its gloss and the losses, of which
-    a file for somebody else would hold measured numbers.
+    shape: the form of a plain material, where the format holds one. most_px: the longest side of
+    textures, pixels. grid: of CSV tables, `gcms`, `in-plane`, `in-plane:STEP` (degrees) or a file
+    of directions. basis: of BSDF XML, one of BASES; None for the first. bare: without the material
+    itself, its gloss and the losses: a file for somebody else would hold measured numbers.
     """
 
-    step_deg: float | None = None
     shape: Shape | None = None
-    most_px: int = 4096
+    most_px: int = MOST_PX
     grid: str | None = None
     basis: str | None = None
     bare: bool = False

@@ -15,13 +15,14 @@ import numpy as np
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
 from relgloss_view.base.writing import whole_file
-from relgloss_view.exchange.formats import Exported, ExportOptions
-from relgloss_view.exchange.gltf_brdf import GltfSurface
+from relgloss_view.exchange.formats import MOST_PX, Exported, ExportOptions
+from relgloss_view.exchange.gltf_brdf import COAT, SPECULAR, GltfSurface
 from relgloss_view.exchange.gltf_container import ARRAY, ELEMENTS, Builder
 from relgloss_view.exchange.gltf_forms import triangles_of
 from relgloss_view.exchange.gltf_maps import Maps, image_file, maps_of, texture_size
 from relgloss_view.exchange.gltf_refit import refit_gltf
-from relgloss_view.exchange.own import own_numbers
+from relgloss_view.exchange.loss import LAMP
+from relgloss_view.exchange.own import EXTRAS, own_numbers
 from relgloss_view.exchange.refit import Refit
 from relgloss_view.material.material import Material
 from relgloss_view.pack.label import Label, label_of
@@ -31,9 +32,6 @@ from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.plain_finish import plain_finishes
 from relgloss_view.pack.shape import Shape
 
-OWN = "relgloss"  #: the entry of `extras` that holds our own numbers
-LAMP = "D65"
-MOST_PX = 4096
 PACK_LINES = (
     "the colours of the artwork are its sRGB values, as colour management has them (D50 to D65 by "
     "Bradford's transform); those of a stock or a foil are under D65",
@@ -44,12 +42,7 @@ MATERIAL_LINES = ("colours are under D65", "surface grain (sigma_N) is not carri
 
 def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported:
     """Write a .glb of a pack, or of a material on a form. See formats.Writer."""
-    data, exported = glb(
-        what,
-        shape=getattr(options, "shape", None),
-        most_px=getattr(options, "most_px", None) or MOST_PX,
-        bare=options.bare,
-    )
+    data, exported = glb(what, shape=options.shape, most_px=options.most_px, bare=options.bare)
     with whole_file(path) as temporary:
         temporary.write_bytes(data)
     return exported
@@ -76,12 +69,12 @@ def _material(material: Material, shape: Shape, bare: bool) -> tuple[bytes, Expo
     own: dict[str, Any] = {"loss": refit.loss.as_json(), "lines": list(refit.lines)}
     own |= own_numbers(material, entry)
     builder.uses(entry.get("extensions", {}))
-    extras = {} if bare else {"extras": {OWN: own}}
+    extras = {} if bare else {"extras": {EXTRAS: own}}
     number = builder.add("materials", {"name": material.name, **entry, **extras})
     mesh = triangles_of(shape)
     _put_mesh(builder, mesh, shape.kind, [number] * len(mesh.parts), [True] * len(mesh.parts))
     lines = (*refit.lines, *MATERIAL_LINES)
-    of_file = {OWN: {"lines": list(lines), "losses": {material.name: own["loss"]}}}
+    of_file = {EXTRAS: {"lines": list(lines), "losses": {material.name: own["loss"]}}}
     data = builder.file_bytes({} if bare else of_file)
     return data, Exported(lines, {material.name: refit.loss})
 
@@ -109,7 +102,7 @@ def _pack(pack: Pack, most_px: int, bare: bool) -> tuple[bytes, Exported]:
     size = texture_size(pack, label, most_px)
     builder = Builder()
     pictures = _Pictures(builder, label.around)
-    lines, lying = list(PACK_LINES), set[int]()
+    lying = set[int]()
     made: dict[tuple[int, int], tuple[Maps, dict[str, Any]]] = {}
     textured, numbers = [], []
     for part, name in enumerate(label.parts):
@@ -121,26 +114,27 @@ def _pack(pack: Pack, most_px: int, bare: bool) -> tuple[bytes, Exported]:
         maps, entry = made[key]
         named = {"finishes": [pack.finishes[k].name for k in maps.finishes]}
         builder.uses(entry.get("extensions", {}))
-        of_part = {} if bare else {"extras": {OWN: named}}
+        of_part = {} if bare else {"extras": {EXTRAS: named}}
         numbers.append(builder.add("materials", {"name": name, **entry, **of_part}))
         textured.append(_has_textures(maps))
     mesh = triangles_of(pack.shape)
     _put_mesh(builder, mesh, pack.name, numbers, textured)
     outside = max(maps.outside for maps, _ in made.values())
-    if outside > 0.0:
-        lines.append(f"{100.0 * outside:.1f} % of the label is outside sRGB and is cut to it")
-    lines += [
+    lines = [
         f"{printable(pack.finishes[k].name, 60)}: {line}"
         for k in sorted(lying)
-        for line in refits[k].lines[:1] + refits[k].notes
+        for line in refits[k].lines[:2] + refits[k].notes
     ]
+    lines += PACK_LINES
+    if outside > 0.0:
+        lines.append(f"{100.0 * outside:.1f} % of the label is outside sRGB and is cut to it")
     losses = {pack.finishes[k].name: refits[k].loss for k in sorted(lying)}
     extras = {
         "lines": lines,
         "losses": {name: loss.as_json() for name, loss in losses.items()},
         "finishes": [_finish(pack, k, surfaces[k], refits[k]) for k in sorted(lying)],
     }
-    return builder.file_bytes({} if bare else {OWN: extras}), Exported(tuple(lines), losses)
+    return builder.file_bytes({} if bare else {EXTRAS: extras}), Exported(tuple(lines), losses)
 
 
 def _finish(pack: Pack, number: int, surface: GltfSurface, refit: Refit) -> dict[str, Any]:
@@ -181,7 +175,7 @@ def _entry(pictures: _Pictures, maps: Maps) -> dict[str, Any]:
             tint = np.full((*values["specular"].shape, 3), 255, dtype=np.uint8)
         weight = values.get("specular", np.full(tint.shape[:2], 255, dtype=np.uint8))
         named = pictures.add(np.concatenate([tint, weight[..., None]], axis=-1), "specular")
-        specular = extensions.setdefault("KHR_materials_specular", {})
+        specular = extensions.setdefault(SPECULAR, {})
         if "specular" in values:
             specular["specularTexture"] = named
         if maps.tint is not None:
@@ -190,7 +184,7 @@ def _entry(pictures: _Pictures, maps: Maps) -> dict[str, Any]:
         named = pictures.add(
             _channels(values, ("clearcoat", "clearcoat_roughness", None)), "clear coat"
         )
-        coat = extensions["KHR_materials_clearcoat"]
+        coat = extensions[COAT]
         if "clearcoat" in values:
             coat["clearcoatTexture"] = named
         if "clearcoat_roughness" in values:

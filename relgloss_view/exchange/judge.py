@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Mask
-from relgloss_view.exchange.loss import Loss, Surface
+from relgloss_view.exchange.loss import LAMP, Loss, Surface
 from relgloss_view.exchange.metered import gloss_units
 from relgloss_view.material import brdf, cielab
 from relgloss_view.material.difference import delta_e_2000
@@ -26,11 +26,9 @@ from relgloss_view.picture.model.sight import sight
 from relgloss_view.picture.model.view import view_of
 from relgloss_view.picture.scene.setup import Lamp, Setup
 
-LAMP = "D65"
 SIZE = (512, 512)
-ROWS = (
-    16  #: rows of the picture's upper half that are looked at; the lower half is its mirror image
-)
+#: Rows of the picture's upper half that are looked at; the lower half is its mirror image.
+ROWS = 16
 LEAST_LSTAR = 1.0  #: L_s* of a pixel of the highlight
 AZIMUTH_DEG = 50.0  #: the paper's lamp
 PERCENTILE = 95.0

@@ -5,7 +5,6 @@ Version 1.39 of MaterialX, version 1.1 of OpenPBR. Colours are linear sRGB, `lin
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.sax.saxutils import quoteattr
@@ -82,7 +81,7 @@ def _material(part: _Part, bare: bool) -> list[str]:
     words = f"{part.material.name}, by relgloss {__version__}"
     mine = ""
     if not bare:
-        words += f"; {'; '.join(part.refit.lines[:1])}"
+        words += f"; {'; '.join(part.refit.lines[:2])}"
         words = words if loss.is_small else f"WARNING: {words}"
         mine = (
             f" {OWN_DIGEST}={quoteattr(own['digest'])} {OWN_LOSS}={quoteattr(loss.words)} "
@@ -125,6 +124,3 @@ def _identifier(name: str, taken: set[str]) -> str:
         unique, count = f"{plain}_{count}", count + 1
     taken.add(unique)
     return unique
-
-
-FIELDS = {field.name: field.default for field in dataclasses.fields(OpenPbr)}

@@ -15,7 +15,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.exchange import ggx, judge
-from relgloss_view.exchange.loss import Loss, Surface
+from relgloss_view.exchange.loss import LAMP, Loss, Surface
 from relgloss_view.exchange.openpbr import OpenPbr
 from relgloss_view.exchange.search import Family, Found, Unknown, nearest
 from relgloss_view.gloss.meter.meter import main_lobe
@@ -23,7 +23,6 @@ from relgloss_view.material.material import Lobe, Material
 from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.measure.bands import RGB
 
-LAMP = "D65"
 BEHIND_DEG = 110.0  #: azimuth of the lamp of a second look at what is lost
 COAT_INDEX = 1.5
 #: Index of a base below a coat of COAT_INDEX whose border reflects as glass in air does.
@@ -45,10 +44,14 @@ class Refit:
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """The way that was taken, and what is lost, one line each."""
-        taken = f"fitted with {self.way}: {self.loss.words}"
-        passed = [f"not taken: {found.name}: {found.loss.words}" for found in self.others]
-        return (taken, *passed, *self.notes)
+        """What the loss means, its numbers, the ways that lose more, and notes; one line each."""
+        taken = (self.loss.verdict, f"fitted with {self.way}: {self.loss.words}")
+        passed = ", ".join(
+            f"{found.name} (dE2000 {found.loss.de2000_p95:.1f}, up to "
+            f"{found.loss.largest_gloss_units:.1f} gloss units)"
+            for found in self.others
+        )
+        return (*taken, *((f"tried, and loses more: {passed}",) if passed else ()), *self.notes)
 
 
 def linear_rgb(spectrum: Array, material: Material) -> Array:

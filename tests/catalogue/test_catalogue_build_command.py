@@ -110,7 +110,7 @@ def test_the_settings_of_the_command_are_in_the_recipe(quick, tmp_path, build):
         (["--reference", "can.toml"], "can.toml"),
         (["--reference", "nothing"], "nothing"),
         (["--refractive-index", "20"], "--refractive-index 20"),
-        (["--workers", "0"], "workers: expected 1 to"),
+        (["--workers", "0"], "--workers 0: expected 1 to"),
         (["--scheduler", "localhost"], "expected tcp://HOST:PORT"),
         (["-o", ""], "empty name"),
     ],

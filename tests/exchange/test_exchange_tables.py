@@ -224,9 +224,9 @@ class TestCsv:
 
     def test_a_lobe_between_the_directions_is_reported(self):
         varnish = load_finish("gloss-varnish")
-        coarse = csv_out.grid_of(varnish, "in-plane:30", None)
+        coarse = csv_out.grid_of(varnish, "in-plane:30")
         assert any("width of the lobe" in note for note in csv_out._notes(varnish, coarse))
-        fine = csv_out.grid_of(varnish, "in-plane", None)
+        fine = csv_out.grid_of(varnish, "in-plane")
         assert csv_out._notes(varnish, fine) == ()
 
 
