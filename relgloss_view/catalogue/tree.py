@@ -50,6 +50,7 @@ class Tree:
     entries: tuple[Entry, ...]
     passed_over: int
     faults: tuple[str, ...] = ()  #: of folders that can't be read
+    doubtful: tuple[str, ...] = ()  #: files passed over though they are named as tables are
 
 
 def is_catalogue(folder: str | os.PathLike[str]) -> bool:
@@ -73,7 +74,7 @@ def scan(root: str | os.PathLike[str], seen: Callable[[int], object] = bool) -> 
         raise InputError(f"{named(os.fspath(root))}: is no folder; give a folder of tables")
     entries: list[Entry] = []
     faults: list[str] = []
-    passed_over = 0
+    passed_over, doubtful = 0, list[str]()
     for number, found in enumerate(_files(top, faults)):
         checkpoint()
         if number >= MOST_FILES:
@@ -85,9 +86,12 @@ def scan(root: str | os.PathLike[str], seen: Callable[[int], object] = bool) -> 
         entry = _entry(top, found)
         if entry is None:
             passed_over += 1
+            if found.lower().endswith(_TABLES) and len(doubtful) < MOST_DOUBTFUL:
+                doubtful.append(_path_in(top, found))
         else:
             entries.append(entry)
-    return Tree(tuple(sorted(entries, key=lambda entry: entry.path)), passed_over, tuple(faults))
+    entries.sort(key=lambda entry: entry.path)
+    return Tree(tuple(entries), passed_over, tuple(faults), tuple(sorted(doubtful)))
 
 
 def _files(top: str, faults: list[str]) -> Iterator[str]:
@@ -136,7 +140,7 @@ def _is_within(top: str, path: str) -> bool:
 
 def _entry(top: str, file: str) -> Entry | None:
     """The entry of a file; None where it is neither table nor material nor proof."""
-    path = text_of(os.path.relpath(file, top).replace(os.sep, "/"))
+    path = _path_in(top, file)
     try:
         size = os.stat(file).st_size
         with open_regular(file, EXPECTED) as opened:
@@ -161,6 +165,10 @@ def _entry(top: str, file: str) -> Entry | None:
     return Entry(file, path, kind, size, digest.hexdigest())
 
 
+def _path_in(top: str, file: str) -> str:
+    return text_of(os.path.relpath(file, top).replace(os.sep, "/"))
+
+
 def kind_of(file: str, head: bytes, size: int) -> str | None:
     """TABLE, MATERIAL or PROOF by the beginning of a file's content; None for anything else."""
     if is_marked(head[:PROOF_HEAD_BYTES]):
@@ -179,6 +187,11 @@ def _names_format(file: str) -> bool:
     return read_mark(file).get("format") == MATERIAL_FORMAT
 
 
+#: Names of tables: one that is passed over may be a table with headings that nobody knows.
+_TABLES = (
+    ".csv", ".tsv", ".txt", ".dat", ".xlsx", ".xls", ".ods", ".bsdf", ".binary", ".cxf", ".astm",
+)  # fmt: skip
+MOST_DOUBTFUL = 1000
 #: Files that nobody can read count where their names promise something.
 _DATA = (".csv", ".txt", ".tsv", ".json", ".html", ".bsdf", ".binary", ".xml", ".cxf", ".astm")
 

@@ -245,3 +245,13 @@ def test_a_table_that_is_none_is_refused(tmp_path, monkeypatch, content):
     (tmp_path / "catalogue" / "catalogue.parquet").write_bytes(content)
     with pytest.raises(InputError, match="not the table of a catalogue"):
         Catalogue.open(tmp_path / "catalogue")
+
+
+def test_files_named_as_tables_that_are_none_are_listed(tmp_path) -> None:
+    """A table with headings that nobody knows is not lost in silence."""
+    (tmp_path / "lot").mkdir()
+    (tmp_path / "lot" / "invoice.csv").write_text("date;amount\n2026-01-01;12,50\n")
+    (tmp_path / "README.md").write_text("# by lot\n")
+    found = scan(tmp_path)
+    assert found.passed_over == 2
+    assert found.doubtful == ("lot/invoice.csv",)

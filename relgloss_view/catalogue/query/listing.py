@@ -14,23 +14,31 @@ from relgloss_view.catalogue.query.vocabulary import label_of
 NOTHING = "-"
 #: Columns of a query that names none.
 USUAL = ("gloss_60", "quality")
-LONGEST = 48  #: characters of a cell
+LONGEST, LONGEST_FAULT = 48, 600  #: characters of a cell
 DECIMALS = {"GU": 1, "degrees": 2}
 COLOURS = ("L_star", "a_star", "b_star")
 
 
-def listing(found: Found) -> str:
-    """The whole answer as text: a summary, the table, notes."""
+def listing(found: Found, most: int | None = None) -> str:
+    """The whole answer as text: a summary, the table of at most `most` hits, notes."""
     lines = [summary(found)]
     if found.hits:
         shown = tuple(c for c in found.columns if not c.endswith("_se") or _alone(c, found))
         names = shown or USUAL
+        if (
+            "status" in names
+            and "fault" not in names
+            and any(h.row.get("fault") for h in found.hits)
+        ):
+            names = (*names, "fault")  # whoever looks for what failed wants to know why
         columns = [
             Column("rank", 4), Column("file", left=True), Column("name", left=True),
             *(Column(_heading(name), left=BY_NAME[name].kind == TEXT) for name in names),
             *(Column(measure.label) for measure in _measures(found)),
         ]  # fmt: skip
-        lines.append(table(columns, [_cells(hit, names, found) for hit in found.hits]))
+        lines.append(table(columns, [_cells(hit, names, found) for hit in found.hits[:most]]))
+        if most is not None and len(found.hits) > most:
+            lines.append(f"... and {len(found.hits) - most:,} more on the page")
     left_out = left_out_words(found)
     lines += [note for note in (*found.notes, left_out and left_out + ".") if note]
     return "\n".join(lines)
@@ -86,7 +94,7 @@ def value_words(row: Any, column: str) -> str:
     if kind == WHOLE:
         return str(int(value))
     if kind != NUMBER:
-        return printable(value, LONGEST)
+        return printable(value, LONGEST_FAULT if column == "fault" else LONGEST)
     error = row.get(f"{column}_se")
     words = _number(float(value), column)
     return words if error is None else f"{words} +- {_number(float(error), column)}"
