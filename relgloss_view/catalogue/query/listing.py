@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from relgloss_view.base.reading import printable
@@ -82,8 +83,10 @@ def _cells(hit: Hit, names: tuple[str, ...], found: Found) -> list[str]:
 def value_words(row: Any, column: str) -> str:
     """A value as people read it, with its standard error where it has one.
 
-    >>> value_words({"gloss_60": 45.26, "gloss_60_se": 0.31}, "gloss_60")
-    '45.3 +- 0.3'
+    The error is rounded up, so that it is never 0.
+
+    >>> value_words({"gloss_60": 45.26, "gloss_60_se": 0.03}, "gloss_60")
+    '45.3 +- 0.1'
     """
     value = row.get(column)
     if value is None or value == "":
@@ -97,11 +100,24 @@ def value_words(row: Any, column: str) -> str:
         return printable(value, LONGEST_FAULT if column == "fault" else LONGEST)
     error = row.get(f"{column}_se")
     words = _number(float(value), column)
-    return words if error is None else f"{words} +- {_number(float(error), column)}"
+    return words if error is None else f"{words} +- {_error(float(error), column)}"
 
 
 def _number(value: float, column: str) -> str:
-    decimals = DECIMALS.get(BY_NAME[column].unit)
-    if column in COLOURS or column.removesuffix("_se") in ("haze", "doi"):
-        decimals = 1
+    decimals = _decimals(column)
     return f"{value:.3g}" if decimals is None else f"{value:.{decimals}f}"
+
+
+def _error(value: float, column: str) -> str:
+    decimals = _decimals(column)
+    if decimals is None:
+        return f"{value:.1g}"
+    step = 10.0**-decimals
+    return f"{step * max(math.ceil(value / step - 1e-9), 1):.{decimals}f}"
+
+
+def _decimals(column: str) -> int | None:
+    """How many are shown; None for three digits."""
+    if column in COLOURS or column.removesuffix("_se") in ("haze", "doi"):
+        return 1
+    return DECIMALS.get(BY_NAME[column].unit)
