@@ -295,6 +295,27 @@ def test_a_tooltip_has_every_reading_with_its_error_and_every_warning(actions):
     assert "!" not in catalogues.tooltip_of(good, actions.found)
 
 
+def test_an_error_is_never_shown_as_nothing(actions):
+    """A fit of clean data has an error of 0.004 GU, and "± 0.0" would be a claim."""
+    import dataclasses
+
+    hit = next(h for h in actions.found.hits if h.row["quality"] == "good")
+    small = dataclasses.replace(
+        hit, row={**hit.row, "gloss_60": 22.4, "gloss_60_se": 0.004, "distinctness_se": 1e-5}
+    )
+    text = catalogues.tooltip_of(small, actions.found)
+    assert "Gloss 60°: 22.4 ± 0.1 GU" in text
+    assert "± 0.0" not in text.replace("± 0.001", "").replace("± 0.01", "")
+
+
+def test_one_item_lacks_and_two_lack(actions):
+    import dataclasses
+
+    for left_out, words in ((1, "; 1 lacks a value"), (2, "; 2 lack a value")):
+        found = dataclasses.replace(actions.found, left_out=left_out)
+        assert words in catalogues.found_words(found, actions.opened)
+
+
 def test_words_of_a_hostile_name_are_one_line(actions):
     import dataclasses
 

@@ -110,10 +110,17 @@ def _number(value: float, column: str) -> str:
 
 def _error(value: float, column: str) -> str:
     decimals = _decimals(column)
-    if decimals is None:
-        return f"{value:.1g}"
+    return f"{value:.1g}" if decimals is None else rounded_up(value, decimals)
+
+
+def rounded_up(error: float, decimals: int) -> str:
+    """An error as people read it: rounded up, so that it is never 0.
+
+    >>> rounded_up(0.0003, 3), rounded_up(0.004, 1)
+    ('0.001', '0.1')
+    """
     step = 10.0**-decimals
-    return f"{step * max(math.ceil(value / step - 1e-9), 1):.{decimals}f}"
+    return f"{step * max(math.ceil(error / step - 1e-9), 1):.{decimals}f}"
 
 
 def _decimals(column: str) -> int | None:

@@ -17,6 +17,7 @@ from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.words import sentence_case
 from relgloss_view.catalogue.columns import DONE, LAB
 from relgloss_view.catalogue.query.fault import QueryError
+from relgloss_view.catalogue.query.listing import rounded_up
 
 if TYPE_CHECKING:
     from relgloss_view.catalogue.query.found import Found, Hit, Searched
@@ -242,7 +243,7 @@ def _reading(row: Row, name: str, heading: str, decimals: int, unit: str) -> lis
     value, error = _number(row.get(name)), _number(row.get(f"{name}_se"))
     if value is None:
         return []
-    within = "" if error is None else f" ± {error:.{decimals}f}"
+    within = "" if error is None else f" ± {rounded_up(error, decimals)}"
     return [f"{heading}: {value:.{decimals}f}{within}{unit}"]
 
 
@@ -280,7 +281,8 @@ def found_words(found: Found | None, opened: OpenCatalogue) -> str:
     else:
         words = f"{len(found.hits):,} of {count:,} items"
     if found.left_out:
-        words += f"; {found.left_out:,} lack a value that the search needs"
+        lack = "lacks" if found.left_out == 1 else "lack"
+        words += f"; {found.left_out:,} {lack} a value that the search needs"
     return f"{words}, {found.order}"
 
 
