@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from relgloss_view.base.reading import printable
 from relgloss_view.exchange import ggx
 from relgloss_view.exchange.materialx_values import Values
 from relgloss_view.exchange.openpbr import WHITE, OpenPbr
@@ -19,6 +20,14 @@ from relgloss_view.exchange.openpbr import WHITE, OpenPbr
 INDEX = (1.0, 10.0)
 #: Its facets are about as wide as the narrowest lobe that is drawn here (S_DEG_DRAWN).
 LEAST_ROUGHNESS = 0.0324
+#: Beginnings of inputs that only shape what a model's `absent` names, and say nothing alone.
+SHAPING = (
+    *("transmission_", "subsurface_", "fuzz_", "thin_", "emission_", "geometry_", "sheen_"),
+    *("iridescence_", "emissive_", "anisotropy_", "attenuation_", "alpha_", "opacityMode"),
+    *("specular_rotation", "coat_rotation", "thickness", "dispersion", "tangent"),
+    "opacityThreshold",
+)
+MOST_NAMED = 12  #: unknown inputs that are named
 
 
 class Model(NamedTuple):
@@ -39,6 +48,12 @@ class Model(NamedTuple):
                 values.unread.pop(name, None)
                 lines.append(f"{word} ({name})")
         lines += [f"{name}: comes from {what}" for name, what in values.unread.items()]
+        unknown = [name for name in values.not_asked() if not name.startswith(SHAPING)]
+        lines += [
+            f"{printable(name, 40)}: no input of {self.name}" for name in unknown[:MOST_NAMED]
+        ]
+        if len(unknown) > MOST_NAMED:
+            lines.append(f"{len(unknown) - MOST_NAMED} more unknown inputs")
         return surface, tuple(dict.fromkeys(lines))
 
 
@@ -124,6 +139,7 @@ def usd_preview(v: Values) -> OpenPbr:
     """USD preview surface; its specular workflow gives F0 itself."""
     metal = v.number("metallic", 0.0, 0.0, 1.0)
     index, weight, colour = v.number("ior", 1.5, *INDEX), 1.0, WHITE
+    v.asked.add("specularColor")  # it counts in one of both workflows alone
     if v.number("useSpecularWorkflow", 0.0, 0.0, 1.0) > 0.5:
         f0 = v.colour("specularColor", (0.0, 0.0, 0.0))
         largest = max(f0)

@@ -31,7 +31,8 @@ ENCODED = ("srgb_texture", "srgb_rec709_scene", "srgb_rec709_display")
 class Values:
     """The inputs of one shader node.
 
-    unread: by the name of an input, what it comes from that is not carried over.
+    unread: by the name of an input, what it comes from that is not carried over. asked: names of
+    the inputs that were looked for.
     """
 
     shader: Element
@@ -39,6 +40,7 @@ class Values:
     place: str
     colour_space: str
     unread: dict[str, str] = field(default_factory=dict)
+    asked: set[str] = field(default_factory=set)
 
     @classmethod
     def of(cls, root: Element, shader: Element, place: str) -> Values:
@@ -63,7 +65,13 @@ class Values:
 
     def has(self, name: str) -> bool:
         """Whether the document states an input in any way."""
+        self.asked.add(name)
         return input_of(self.shader, name) is not None
+
+    def not_asked(self) -> tuple[str, ...]:
+        """The inputs of the node that nothing has looked for."""
+        names = (e.get("name", "") for e in self.shader if e.tag == "input")
+        return tuple(dict.fromkeys(name for name in names if name not in self.asked))
 
     def number(self, name: str, default: float, low: float, high: float) -> float:
         """An input of one number within a range; InputError outside."""
@@ -84,6 +92,7 @@ class Values:
         What comes from elsewhere is noted in `unread`, and the default holds. Raises InputError
         outside of the range.
         """
+        self.asked.add(name)
         element = input_of(self.shader, name)
         if element is None:
             return default
