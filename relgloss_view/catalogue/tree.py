@@ -110,7 +110,8 @@ def _files(top: str, faults: list[str]) -> Iterator[str]:
         for one in found:
             if one.name.startswith("."):
                 continue
-            if one.is_dir():
+            kind = _kind_of_entry(one)
+            if kind == "folder":
                 if one.is_symlink() and _is_within(top, os.path.realpath(one.path)):
                     continue  # it is in the tree under its own name
                 if _identity(one.path) in entered or depth + 1 >= MOST_DEPTH:
@@ -118,9 +119,17 @@ def _files(top: str, faults: list[str]) -> Iterator[str]:
                 if not is_catalogue(one.path):
                     entered.add(_identity(one.path))
                     folders.append((one.path, depth + 1))
-            elif one.is_file():
+            elif kind == "file":
                 yield one.path
         waiting.extend(reversed(folders))
+
+
+def _kind_of_entry(one: os.DirEntry[str]) -> str:
+    """folder, file, or nothing: a pipe, a device, a link that leads nowhere or in a circle."""
+    try:
+        return "folder" if one.is_dir() else "file" if one.is_file() else ""
+    except OSError:
+        return ""
 
 
 def _identity(folder: str) -> tuple[int, int]:
