@@ -41,6 +41,7 @@ VOCABULARY: dict[str, str] = {
     "monochrome PARAM_TYPE spherical_coordinate_system specular_coordinate_system "
     "half_difference_coordinate_system REDUCTION_TYPE bilateral_symmetry reciprocity PARAM0_LIST "
     "PARAM1_LIST PARAM2_LIST PARAM3_LIST PARAM4_LIST WAVELENGTH_LIST NAME DEVICE DATA ascii binary",
+    "speos": "OPTIS Anisotropic BSDF brdf surface file v8.0 v7.0 0 1 End of",
     "astm-e1392": "VARS theta_i phi_i theta_s phi_s theta_r R G B X Y Z 450nm BRDF CCBRDF "
     "NUM_POINTS ANGLE_UNIT degrees radians TITLE SAMPLE",
     "alta": "#DIM #PARAM_IN #PARAM_OUT #VS #FORMAT binary RUSIN_TH_TD_PD RUSIN_TH_TD STARK_3D "

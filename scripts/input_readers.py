@@ -50,6 +50,8 @@ def readers() -> dict[str, Reader]:
         Reader("zemax", ".bsdf", _measurement, _zemax, 1.0),
         Reader("bsdf-xml", ".xml", _measurement, _bsdf_xml, 1.0),
         Reader("rgl-spectral", ".bsdf", _measurement, _spectral_bsdf, 0.5),
+        Reader("pbsdf", ".pbsdf", _measurement, _pbsdf, 0.5),
+        Reader("speos", ".brdf", _measurement, _speos),
         Reader("ssdd", ".ssdd", _measurement, _ssdd),
         Reader("astm-e1392", ".astm", _measurement, _astm),
         Reader("alta", ".alta", _measurement, _alta),
@@ -532,7 +534,7 @@ def _other_tables(gcms: str, generic: str) -> list[bytes]:
 
 def bsdf_of(fields: dict[str, np.ndarray[Any, Any]]) -> bytes:
     """A file in the container of the RGL database."""
-    codes = {"uint8": 1, "float32": 10, "float64": 11}
+    codes = {"uint8": 1, "uint16": 3, "float32": 10, "float64": 11}
     directory, offset = 18 + sum(13 + len(n) + 8 * v.ndim for n, v in fields.items()), 0
     head, body = b"tensor_file\0" + bytes((1, 0)) + struct.pack("<I", len(fields)), b""
     for name, values in fields.items():
@@ -554,6 +556,30 @@ def _spectral_bsdf() -> list[bytes]:
     fields["wavelengths"] = np.linspace(370.0, 790.0, 12, dtype=np.float32)
     fields["spectra"] = np.repeat(rgb, 4, axis=2)
     return [bsdf_of(fields)]
+
+
+def _pbsdf() -> list[bytes]:
+    axis = np.linspace(0.0, 1.5, 5, dtype=np.float32)[None]
+    fields = {
+        "phi_d": np.linspace(-3.0, 3.0, 7, dtype=np.float32)[None],
+        "theta_d": axis,
+        "theta_h": axis,
+        "wvls": np.array([450, 500, 550, 600, 650], np.uint16),
+        "M": np.random.default_rng(0).uniform(0.1, 0.3, (7, 5, 5, 5, 4, 4)).astype(np.float32),
+    }
+    return [bsdf_of(fields)]
+
+
+def _speos() -> list[bytes]:
+    rows = [f"{theta}" + "\t0.2" * 5 + "\n" for theta in range(0, 91, 10)]
+    block = f"{len(rows)}\t5\n\t0\t90\t180\t270\t360\n" + "".join(rows)
+    spectrum = "10\t0\n\n3\n400\t20\n550\t40\n700\t10\n"
+    head = "0\nmade\n5\n-----\n"
+    by_spectrum = f"OPTIS - Anisotropic BSDF surface file v8.0\n{head}1\t0\t0\n1\t0\n0\n1\n0\n"
+    by_spectrum += f"2\n10\t40\n{spectrum}{block}{block}End of file\n"
+    by_wavelength = f"OPTIS - brdf surface file v8.0\n{head}1\t0\n1\n2\t2\n10\t40\n500\t600\n"
+    by_wavelength += f"20\n{block}" * 4
+    return [by_spectrum.encode(), by_wavelength.encode()]
 
 
 def _bsdf_fields() -> dict[str, np.ndarray[Any, Any]]:

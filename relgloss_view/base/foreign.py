@@ -124,8 +124,12 @@ _TEXTS: tuple[tuple[tuple[str, ...], Foreign], ...] = (
         Foreign("a BRDF in the format of ASTM E1392", _FIT, "e1392"),
     ),
     (
+        (r"\AOPTIS[ -]+(Anisotropic BSDF|brdf) surface file\b",),
+        Foreign("a Speos BSDF file", _FIT, "speos"),
+    ),
+    (
         (r"\AOPTIS\b",),
-        Foreign("a Speos surface file", f"export it from Speos as CSV or as SSDD; {_LATER}"),
+        Foreign("a file of Speos that holds no BRDF", "give .anisotropicbsdf or .brdf of Speos"),
     ),
     (
         (r"^TypeSym\b|^TypeColorModel\b|^TypeData\b", r"^(sigma|phi|psi|theta|Source)\b"),

@@ -212,7 +212,7 @@ def words_of(report: Report, output: str) -> list[str]:
             f"{_counted(report.rows, 'file')}: {report.done:,} done, {report.failed:,} failed"
         )
     work = [
-        (report.worked, "read and fitted"),
+        (report.worked, "new or changed"),
         (report.drawn_again, "only metered and drawn again"),
         (report.unchanged, "unchanged"),
     ]

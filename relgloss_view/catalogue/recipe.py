@@ -8,11 +8,15 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
+from relgloss_view.base.version import __version__
 from relgloss_view.gloss.samples import DEFAULT_GLOSS
 
 THUMBNAIL_PX = 128
 #: Raised whenever the same file would give another row or another material.
 REVISION = 1
+#: The program whose results a record holds: another version's are made again, as nobody knows
+#: whether its fits, meters and pictures are the same.
+MADE_BY = f"{__version__}, {REVISION}"
 
 
 @dataclass(frozen=True)
@@ -36,14 +40,14 @@ class Recipe:
     @property
     def of_fit(self) -> str:
         """Digest of what decides a material: another reference does not fit anything again."""
-        return _digest({"revision": REVISION, "fit": self.fit, "table": self.table})
+        return _digest({"made_by": MADE_BY, "fit": self.fit, "table": self.table})
 
     @property
     def of_look(self) -> str:
         """Digest of what decides readings, match and thumbnail of a material."""
         whole = dataclasses.asdict(self)
         del whole["fit"], whole["table"]
-        return _digest({"revision": REVISION, **whole})
+        return _digest({"made_by": MADE_BY, **whole})
 
     def as_json(self) -> dict[str, Any]:
         """The object that the table's file holds."""

@@ -15,6 +15,7 @@ import hashlib
 import json
 import math
 import os
+import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -36,13 +37,14 @@ from relgloss_view.catalogue.columns import (
     WHOLE,
 )
 from relgloss_view.catalogue.item import OF_FILE, OF_LOOK, OF_MACHINE, Fitted, Item
-from relgloss_view.catalogue.recipe import REVISION, Recipe
+from relgloss_view.catalogue.recipe import MADE_BY, Recipe
 from relgloss_view.catalogue.tree import Entry
 
 ITEMS = "items"
 PART = ".part"  #: of files that are not whole yet
 HIDDEN = ("path", "material", "bytes")  #: columns that belong to a place in the tree
 MOST_BYTES = 64 << 20  #: of a record
+_RECORD = re.compile(r"[0-9a-f]{64}\.json|\..*\.part", re.DOTALL)  #: what this program has left
 MOST = 2**62  #: of any whole number in a record
 _FAILED_IN = ("", OF_FILE, OF_LOOK, OF_MACHINE)
 _TYPES: dict[str, Any] = {TEXT: str, NUMBER: (float, int), WHOLE: int, FLAG: bool, BYTES: bytes}
@@ -64,7 +66,7 @@ class Kept:
 
 def key_of(entry: Entry, recipe: Recipe) -> str:
     """The name of a file's record."""
-    fit = recipe.of_fit if entry.kind == TABLE else str(REVISION)
+    fit = recipe.of_fit if entry.kind == TABLE else MADE_BY
     name = os.path.basename(entry.file)
     parts = [entry.kind.encode(), entry.sha256.encode(), fit.encode(), os.fsencode(name)]
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
@@ -114,7 +116,7 @@ class Store:
         for folder in _folders(self.folder):
             for name in os.listdir(folder):
                 checkpoint()
-                if name.removesuffix(".json") not in keys:
+                if _RECORD.fullmatch(name) and name.removesuffix(".json") not in keys:
                     with contextlib.suppress(OSError):
                         os.unlink(folder / name)
             with contextlib.suppress(OSError):  # it holds records

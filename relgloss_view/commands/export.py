@@ -118,12 +118,12 @@ def run(args: argparse.Namespace) -> int:
         return 0
     for line in exported.lines:
         print(printable(line, 400))
-    for name, loss in exported.losses.items():
-        if not loss.is_small:
-            warn(
-                f"{printable(name, 60)}: more is lost than the eye or a gloss meter overlooks; "
-                "compare the pictures before you use the file"
-            )
+    lossy = [printable(name, 60) for name, loss in exported.losses.items() if not loss.is_small]
+    if lossy:
+        warn(
+            f"compare the pictures before you use the file: more is lost of {', '.join(lossy)} "
+            "than the eye or a gloss meter overlooks"
+        )
     print(f"{printable(args.output)}: written as {chosen.name}")
     return 0
 

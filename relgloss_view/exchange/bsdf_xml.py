@@ -78,7 +78,7 @@ def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported
             f"--basis {printable(basis, 20)}: expected {TREE} (Radiance) or {KLEMS} (WINDOW)"
         )
     loss = compare(what, surface)
-    lines = (*lines, *metal_notes(what), f"in the file: {loss.words}")
+    lines = (loss.verdict, f"in the file: {loss.words}", *lines, *metal_notes(what))
     head = _HEAD.format(
         comment="".join(f"<!-- {_comment(line)} -->\n" for line in (f"{PROGRAM}", *lines)),
         name=escape(_plain(what.name)),

@@ -105,7 +105,7 @@ def _pack(pack: Pack, most_px: int) -> tuple[bytes, Exported]:
     size = texture_size(pack, label, most_px)
     builder = Builder()
     pictures = _Pictures(builder, label.around)
-    lines, lying = list(PACK_LINES), set[int]()
+    lying = set[int]()
     made: dict[tuple[int, int], tuple[Maps, dict[str, Any]]] = {}
     textured, numbers = [], []
     for part, name in enumerate(label.parts):
@@ -122,13 +122,14 @@ def _pack(pack: Pack, most_px: int) -> tuple[bytes, Exported]:
     mesh = triangles_of(pack.shape)
     _put_mesh(builder, mesh, pack.name, numbers, textured)
     outside = max(maps.outside for maps, _ in made.values())
-    if outside > 0.0:
-        lines.append(f"{100.0 * outside:.1f} % of the label is outside sRGB and is cut to it")
-    lines += [
+    lines = [
         f"{printable(pack.finishes[k].name, 60)}: {line}"
         for k in sorted(lying)
-        for line in refits[k].lines[:1] + refits[k].notes
+        for line in refits[k].lines[:2] + refits[k].notes
     ]
+    lines += PACK_LINES
+    if outside > 0.0:
+        lines.append(f"{100.0 * outside:.1f} % of the label is outside sRGB and is cut to it")
     losses = {pack.finishes[k].name: refits[k].loss for k in sorted(lying)}
     extras = {
         "lines": lines,

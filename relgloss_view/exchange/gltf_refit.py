@@ -8,7 +8,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.exchange.gltf_brdf import WHITE, Colour, GltfSurface
-from relgloss_view.exchange.refit import Refit, colour_notes, linear_rgb
+from relgloss_view.exchange.refit import NARROWEST, Refit, colour_notes, linear_rgb
 from relgloss_view.exchange.search import Family, Unknown, nearest
 from relgloss_view.gloss.meter.meter import main_lobe
 from relgloss_view.material.material import Lobe, Material
@@ -108,10 +108,11 @@ def families(material: Material, keeps_body: bool) -> tuple[Family, ...]:
         return GltfSurface(base(x), 0.0, roughness, 1.5, weight, colour, coat, coat_roughness)
 
     strength = max(lobe.strength)
-    start = Unknown(rough, LEAST_ROUGHNESS, 1.0)
+    least = max(NARROWEST * rough, LEAST_ROUGHNESS)
+    start = Unknown(rough, least, 1.0)
     coated = (
         Unknown(0.1, 0.0, 1.0),
-        Unknown(max(wide, min(1.0, 2.0 * rough)), LEAST_ROUGHNESS, 1.0),
+        Unknown(max(wide, min(1.0, 2.0 * rough)), least, 1.0),
         Unknown(min(0.9, strength), 0.0, 1.0),
         start,
         Unknown(1.0, 0.0, MOST_SPECULAR),
@@ -120,7 +121,7 @@ def families(material: Material, keeps_body: bool) -> tuple[Family, ...]:
         Unknown(0.7, 0.0, 1.0),
         start,
         Unknown(0.1, 0.0, 1.0),
-        start._replace(start=0.5 * rough),
+        start._replace(start=max(0.8 * rough, least)),
         Unknown(1.0, 0.0, MOST_SPECULAR),
     )
     alone = (
@@ -136,13 +137,14 @@ def families(material: Material, keeps_body: bool) -> tuple[Family, ...]:
 
 
 def _metals(material: Material, lobe: Lobe, rough: float) -> tuple[Family, ...]:
+    least = max(NARROWEST * rough, LEAST_ROUGHNESS)
     f0 = np.clip(_rgb(lobe.f0 or (1.0,), material) * min(lobe.strength[0], 1.0), 0.01, 0.99)
     alone = (
         *(Unknown(float(v), 0.0, 1.0) for v in f0),
         Unknown(0.97, 0.0, 1.0),
-        Unknown(rough, LEAST_ROUGHNESS, 1.0),
+        Unknown(rough, least, 1.0),
     )
-    coat = (Unknown(0.2, 0.0, 1.0), Unknown(0.9 * rough, LEAST_ROUGHNESS, 1.0))
+    coat = (Unknown(0.2, 0.0, 1.0), Unknown(max(0.9 * rough, least), least, 1.0))
 
     def one(x: Array) -> GltfSurface:
         return GltfSurface(_colour(x[:3]), float(x[3]), float(x[4]))

@@ -8,6 +8,8 @@ from typing import Any, Protocol
 from relgloss_view.base.arrays import Array
 
 MOST_DE2000 = 3.0  #: in the highlight; above it a file states its loss as a warning
+#: Below it nobody tells two highlights apart: about one just noticeable difference.
+UNSEEN_DE2000 = 1.0
 MOST_GLOSS_UNITS = 2.0
 
 
@@ -41,6 +43,42 @@ class Loss:
     def is_small(self) -> bool:
         """Whether nobody has to be warned of it."""
         return self.de2000_p95 <= MOST_DE2000 and self.largest_gloss_units <= MOST_GLOSS_UNITS
+
+    @property
+    def verdict(self) -> str:
+        """What the loss means for an eye and for a gloss meter, in one sentence.
+
+        >>> Loss(0.8, 0.9, {"gloss-60": (30.3, 31.1)}).verdict
+        'the highlight looks the same, and the gloss is kept (60 degrees: 30.3 -> 31.1 units)'
+        >>> Loss(4.4, 7.2, {"gloss-20": (3.0, 3.1), "gloss-60": (738.6, 693.6)}).verdict
+        'the highlight looks different, and the gloss changes (60 degrees: 738.6 -> 693.6 units)'
+        """
+        if self.de2000_p95 <= UNSEEN_DE2000:
+            eye = "the highlight looks the same"
+        elif self.de2000_p95 <= MOST_DE2000:
+            eye = "the highlight looks nearly the same"
+        else:
+            eye = "the highlight looks different"
+        if not self.gloss_units:
+            return eye
+        is_kept = self.largest_gloss_units <= MOST_GLOSS_UNITS
+        # The reading that everybody knows, or the one that changes most.
+        key = "gloss-60" if is_kept and "gloss-60" in self.gloss_units else self._changed_most
+        ours, theirs = self.gloss_units[key]
+        return (
+            f"{eye}, {'and' if is_kept == (self.de2000_p95 <= MOST_DE2000) else 'but'} the gloss "
+            f"{'is kept' if is_kept else 'changes'} "
+            f"({key.removeprefix('gloss-')} degrees: {ours:.1f} -> {theirs:.1f} units)"
+        )
+
+    def _change(self, key: str) -> float:
+        ours, theirs = self.gloss_units[key]
+        return abs(theirs - ours)
+
+    @property
+    def _changed_most(self) -> str:
+        """The key of the reading with the largest difference."""
+        return max(self.gloss_units, key=self._change)
 
     @property
     def words(self) -> str:

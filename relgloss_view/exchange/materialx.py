@@ -80,7 +80,7 @@ def _material(part: _Part) -> list[str]:
     parameters = parameters_of(surface)
     own = own_numbers(part.material, parameters)
     loss = part.refit.loss
-    words = f"{part.material.name}, by relgloss {__version__}; {'; '.join(part.refit.lines[:1])}"
+    words = f"{part.material.name}, by relgloss {__version__}; {'; '.join(part.refit.lines[:2])}"
     if not loss.is_small:
         words = f"WARNING: {words}"
     shader = f"{part.name}_surface"

@@ -35,11 +35,12 @@ def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported
         file.write(HEADER)
         file.write(np.ascontiguousarray(table.bins, dtype="<f8").tobytes())
     lines = (
+        loss.verdict,
+        f"in the file: {loss.words}",
         "carried: the BRDF in linear sRGB at the middles of 90 x 90 x 180 bins",
         "lost: the spectrum, the model and the evidence of the fit; the format holds no words",
         *(f"lost: {note}" for note in colour_notes(what)),
         *metal_notes(what),
-        f"in the file: {loss.words}",
     )
     return Exported(lines, {what.name: loss})
 

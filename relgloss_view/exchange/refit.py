@@ -45,10 +45,14 @@ class Refit:
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """The way that was taken, and what is lost, one line each."""
-        taken = f"fitted with {self.way}: {self.loss.words}"
-        passed = [f"not taken: {found.name}: {found.loss.words}" for found in self.others]
-        return (taken, *passed, *self.notes)
+        """What the loss means, its numbers, the ways that lose more, and notes; one line each."""
+        taken = (self.loss.verdict, f"fitted with {self.way}: {self.loss.words}")
+        passed = ", ".join(
+            f"{found.name} (dE2000 {found.loss.de2000_p95:.1f}, up to "
+            f"{found.loss.largest_gloss_units:.1f} gloss units)"
+            for found in self.others
+        )
+        return (*taken, *((f"tried, and loses more: {passed}",) if passed else ()), *self.notes)
 
 
 def linear_rgb(spectrum: Array, material: Material) -> Array:

@@ -216,6 +216,17 @@ def test_only_what_has_changed_is_done(built, tree, tmp_path):
     assert len(list((catalogue / "items").rglob("*.json"))) == 3
 
 
+def test_what_another_version_has_made_is_made_again(built, tree, tmp_path, monkeypatch):
+    import shutil
+
+    from relgloss_view.catalogue import recipe, store
+
+    shutil.copytree(built.folder, tmp_path / "old")
+    for module in (recipe, store):
+        monkeypatch.setattr(module, "MADE_BY", "0.0.1, 1")
+    assert build(tree, tmp_path / "old", RECIPE, BuildOptions()).worked == 3
+
+
 def test_another_reference_by_way_of_the_store_gives_the_same_bytes(built, tree, tmp_path):
     other = dataclasses.replace(RECIPE, reference="uncoated", reference_sigma_n_deg=1.0)
     build(tree, tmp_path / "fresh", other)

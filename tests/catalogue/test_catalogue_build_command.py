@@ -42,7 +42,7 @@ def test_what_was_done_is_printed(quick, tmp_path, build):
     assert (status, err) == (0, [])
     assert out == [
         "6 files: 6 done, 0 failed",
-        "6 read and fitted; 0 only metered and drawn again; 0 unchanged",
+        "6 new or changed; 0 only metered and drawn again; 0 unchanged",
         "1 file passed over: no table, material or proof",
         f"{tmp_path}/stock/catalogue.parquet: written",
     ]

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import time
 from functools import partial
+from pathlib import Path
 
 import pytest
 from catalogue_trees import contents, quick_item, quick_tree, save
@@ -318,7 +319,8 @@ def test_a_record_with_a_true_digest_and_wrong_content_counts_as_none(change, tm
     row = {"path": "a.csv", "kind": "table", "status": "failed", "fault": "x", "bytes": 3}
     store.put(key, Item(row, failed_in="file"), recipe)
     place = tmp_path / "items" / key[:2] / f"{key}.json"
-    assert store.kept(key) is not None and store.item(key) is not None  # the control
+    assert store.kept(key) is not None
+    assert store.item(key) is not None
     head, body = (json.loads(line) for line in place.read_bytes().split(b"\n")[1:])
     if change == "key":
         head["key"] = other
@@ -334,3 +336,33 @@ def test_a_record_with_a_true_digest_and_wrong_content_counts_as_none(change, tm
     assert store.item(key) is None
     assert not place.exists()
     assert store.kept(key) is None
+
+
+MEMORY = """
+import resource, sys
+sys.path[:0] = sys.argv[3:]
+import catalogue_trees
+from relgloss_view.catalogue import build
+build.make_item = catalogue_trees.quick_item
+report = build.build(sys.argv[1], sys.argv[2])
+print(report.done, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
+"""
+
+
+@pytest.mark.slow
+def test_ten_thousand_items_take_little_memory(tmp_path):
+    """At most 500 MB in the program that builds, table and materials included."""
+    here = Path(__file__).resolve().parent
+    text = save(tmp_path / "stock.json").read_text(encoding="utf-8")
+    for k in range(10_000):
+        file = tmp_path / "tree" / f"lot {k // 500}" / f"stock-{k}.json"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text.replace('"stock"', f'"stock {k}"'), encoding="utf-8")
+    words = [sys.executable, "-c", MEMORY, str(tmp_path / "tree"), str(tmp_path / "catalogue")]
+    done = subprocess.run(
+        [*words, str(here), str(here.parent)], check=True, capture_output=True, text=True
+    )
+    count, megabytes = map(int, done.stdout.split())
+    assert count == 10_000
+    assert megabytes < 500
+    assert len(Catalogue.open(tmp_path / "catalogue").rows) == 10_000

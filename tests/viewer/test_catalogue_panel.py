@@ -224,8 +224,14 @@ def opens_files(hand, found):
         found[f"dropped {path.name}"] = [actions.found.total, names(hand) == before]
     hand.frames(10)
     found["drawn"] = hand.until(lambda: actions.thumbnails.count > 3)
-    hand.do(actions.reload)
-    found["reloaded"] = hand.until(lambda: not actions.coming)
+    hand.type("//Catalogue/##Search", "not failed")
+    hand.until(lambda: not actions.searching)
+    made_catalogue.write(stock, 35)
+    hand.until(lambda: actions.changed, 4000)
+    hand.frames(2)
+    hand.click("//Catalogue/Reload")
+    hand.until(lambda: actions.found is not None and actions.found.searched == 35)
+    found["reloaded"] = [actions.asked.text, actions.found.searched, actions.changed]
     # The last session's: opened when the panel shows, and one line where it is gone.
     actions.opened = actions.found = None
     hand.do(lambda: hand.app.layout.focus("Look"))
@@ -366,7 +372,7 @@ def test_a_catalogue_opens_by_a_drop_and_again_in_the_next_session(more_found):
     assert got["dropped stock"] == [30, True]
     assert got["dropped catalogue.parquet"] == [30, True]
     assert got["drawn"]
-    assert got["reloaded"]
+    assert got["reloaded"] == ["not failed", 35, False]
     assert got["waits"]
     assert got["remembered"]
 

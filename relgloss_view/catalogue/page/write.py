@@ -1,23 +1,23 @@
 """The page of what a search has found, or of a whole catalogue: one file for any browser.
 
 Nothing of it is fetched: style, script, data and pictures are in the file, and its policy lets in
-nothing else. Without scripts it is a table of the first hits with their pictures. The thumbnails
-come after the script, in parts, so that a large page shows its first hits while it is still read.
+nothing else. Without scripts it is a table of the first hits with their pictures (plain.py). The
+thumbnails come in parts, the first before the script and the others after it, so that a large page
+shows its first hits while it is still read; what is read of an opened hit alone comes last.
 """
 
 from __future__ import annotations
 
 import base64
-import json
 import os
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.page_scripts import (
     data_json,
-    html_text,
     html_value,
     one_script,
     policy_source,
@@ -27,15 +27,17 @@ from relgloss_view.base.version import __version__
 from relgloss_view.base.writing import whole_file
 from relgloss_view.catalogue.columns import FAILED
 from relgloss_view.catalogue.page import rows
+from relgloss_view.catalogue.page.plain import failed_list, plain_table
+from relgloss_view.catalogue.page.sentences import say, sentences, text
 from relgloss_view.catalogue.query.found import Found, Hit, Searched
 from relgloss_view.catalogue.query.notes import left_out_words
 
 FOLDER = Path(__file__).parent
 ENTRY = "main.js"
-PLAIN_ROWS = 200  #: rows of the table without scripts
-PART = 250  #: thumbnails of a block
-PLAIN = ("name", "gloss_20", "gloss_60", "gloss_85", "haze", "L_star", "a_star", "b_star",
-         "gloss_ratio", "quality")  # fmt: skip
+PART = 100  #: thumbnails of a block
+#: Pictures up to which bytes are worth more than the time: half the bytes for ten times the time.
+SMALL_PAGE = 2000
+THREADS = 4
 
 
 def write_page(
@@ -65,27 +67,33 @@ def page_of(found: Found, catalogue: Searched, path: Path, proofs: Mapping[str, 
         f"default-src 'none'; script-src '{policy_source(code)}'; "
         f"style-src '{policy_source(style)}'; img-src data:; base-uri 'none'; form-action 'none'"
     )
-    title = printable(found.query.text, 300) or "Catalogue"
-    table = _table(hits, found, catalogue, path, proofs)
+    title = printable(found.query.text, 300) or say("title")
+    table, facts = _table(hits, found, catalogue, path, proofs)
+    blocks = [
+        _block(f"pictures-{k}", pictures[start : start + PART])
+        for k, start in enumerate(range(0, len(pictures), PART))
+    ]
     parts = [
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n'
         f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
         f'<meta name="generator" content="relgloss {html_value(__version__)}">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{_text(title)}</title>\n<style>{style}</style></head>\n<body>\n",
+        f"<title>{text(title)}</title>\n<style>{style}</style></head>\n<body>\n",
         _head(title, found, catalogue),
-        '<div class="work"><details id="fold" class="filters"><summary>Filters</summary>'
-        '<div id="panel"></div></details>\n<main id="main"><div id="tools"></div>'
+        f'<div class="work"><details id="fold" class="filters"><summary>{text(say("fold"))}'
+        '</summary><div id="panel"></div></details>\n<main id="main"><div id="tools"></div>'
         '<div id="list"></div>\n',
-        _plain(hits, pictures, table),
-        '</main></div>\n<div id="tray" role="region" aria-label="Comparison" hidden></div>\n',
-        _failed(failed),
+        plain_table(pictures, table, facts),
+        f'</main></div>\n<div id="tray" role="region" aria-label="{html_value(say("tray"))}" '
+        "hidden></div>\n",
+        failed_list(failed),
         '<p id="live" class="unseen" role="status" aria-live="polite"></p>\n',
-        _block("words", json.loads((FOLDER / "words" / "en.json").read_text(encoding="utf-8"))),
+        _block("words", dict(sentences())),
         _block("rows", table),
-        *(_block(f"pictures-{k}", part) for k, part in enumerate(_parts(pictures)[:1])),
+        *blocks[:1],
         f"<script>{code}</script>\n",
-        *(_block(f"pictures-{k + 1}", part) for k, part in enumerate(_parts(pictures)[1:])),
+        *blocks[1:],
+        _block("facts", facts),
         "</body></html>\n",
     ]
     return "".join(parts)
@@ -96,29 +104,18 @@ def _script() -> str:
     return one_script(FOLDER / "js", ENTRY)
 
 
-def _text(text: object) -> str:
-    """Plain text as HTML in ASCII."""
-    return html_text(str(text)).encode("ascii", "xmlcharrefreplace").decode("ascii")
-
-
 def _block(name: str, value: Any) -> str:
     return f'<script type="application/json" id="{name}">{data_json(value)}</script>\n'
 
 
-def _parts(pictures: Sequence[str]) -> list[Sequence[str]]:
-    return [pictures[k : k + PART] for k in range(0, len(pictures), PART)]
-
-
 def _pictures(hits: Sequence[Hit], catalogue: Searched) -> list[str]:
     """Thumbnails as base64 of WebP; '' where there is none."""
-    coded = []
-    for start in range(0, len(hits), PART):
-        part = hits[start : start + PART]
-        pngs = catalogue.thumbnails([hit.path for hit in part])
-        for hit in part:
-            png = pngs.get(hit.path)
-            coded.append(base64.b64encode(rows.small_picture(png)).decode("ascii") if png else "")
-    return coded
+    pngs = catalogue.thumbnails([hit.path for hit in hits])
+    small = partial(rows.small_picture, is_small_page=len(hits) <= SMALL_PAGE)
+    # The encoder works outside of Python's lock.
+    with ThreadPoolExecutor(min(THREADS, os.cpu_count() or 1)) as threads:
+        webps = threads.map(small, [pngs.get(hit.path, b"") for hit in hits])
+        return [base64.b64encode(webp).decode("ascii") for webp in webps]
 
 
 def _table(
@@ -127,97 +124,50 @@ def _table(
     catalogue: Searched,
     path: Path,
     proofs: Mapping[str, Path],
-) -> dict[str, Any]:
-    """All that the script reads of the hits."""
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """All that the script reads of the hits: at once, and when one is opened."""
     columns = rows.columns_of(found)
     places = [rows.material_place(hit, catalogue.folder, path) for hit in hits]
     proof_places = [
         rows.beside(proofs[hit.path], path) if hit.path in proofs else "" for hit in hits
     ]
-    return {
+    warnings = [rows.warnings_of(hit) for hit in hits]
+    table = {
         "columns": columns,
         "count": len(hits),
         "part": PART,
         "values": rows.values_of(hits, columns),
-        "errors": rows.errors_of(hits, columns),
-        "facts": {
-            "link": [rows.address(place) for place in places],
-            "proof": [rows.address(place) for place in proof_places],
-            "command": [rows.command(place) for place in places],
-            "warnings": [rows.warnings_of(hit) for hit in hits],
-            "ratio_cut": [hit.row.get("is_ratio_kept") is False for hit in hits],
+        "marked": {
+            "ratio_cut": [int(hit.row.get("is_ratio_kept") is False) for hit in hits],
+            "warned": [len(lines) for lines in warnings],
         },
     }
+    facts = {
+        "errors": rows.errors_of(hits, columns),
+        "link": [rows.address(place) for place in places],
+        "proof": [rows.address(place) for place in proof_places],
+        "command": [rows.command(place) for place in places],
+        "warnings": warnings,
+    }
+    return table, facts
 
 
 def _head(title: str, found: Found, catalogue: Searched) -> str:
     recipe = catalogue.recipe
     reference = recipe.reference
     if not isinstance(reference, str):
-        reference = str(reference.get("name") or "a material")
+        reference = str(reference.get("name") or say("head.material"))
     notes = [*found.notes]
     if left_out := left_out_words(found):
-        notes.append(f"{left_out}.")
-    facts = (
-        f"Reference: {printable(reference, 80)}. "
-        f"Gloss is compared by {printable(recipe.gloss, 40)}. "
-        f"Pictures are for an sRGB screen. Made by relgloss {__version__}."
+        notes.append(say("head.note", note=left_out))
+    facts = say(
+        "head",
+        reference=printable(reference, 80),
+        gloss=printable(recipe.gloss, 40),
+        version=__version__,
     )
-    lines = "".join(f'<p class="quiet">{_text(printable(note, 400))}</p>\n' for note in notes)
+    lines = "".join(f'<p class="quiet">{text(printable(note, 400))}</p>\n' for note in notes)
     return (
-        f'<header class="head"><h1><bdi>{_text(title)}</bdi></h1>\n'
-        f'<p class="quiet">{_text(facts)}</p>\n{lines}</header>\n'
-    )
-
-
-def _plain(hits: Sequence[Hit], pictures: Sequence[str], table: Mapping[str, Any]) -> str:
-    """The table without scripts."""
-    columns = {column["name"]: column for column in table["columns"]}
-    heads = "".join(f'<th scope="col">{_text(columns[name]["label"])}</th>' for name in PLAIN)
-    lines = []
-    for k in range(min(len(hits), PLAIN_ROWS)):
-        picture = (
-            f'<img src="data:image/webp;base64,{pictures[k]}" alt="" width="64" height="64">'
-            if pictures[k]
-            else ""
-        )
-        cells = "".join(
-            f"<td><bdi>{_text(_cell(table['values'][name][k], columns[name]))}</bdi></td>"
-            for name in PLAIN[1:]
-        )
-        name = f"<bdi>{_text(table['values']['name'][k])}</bdi>"
-        link = table["facts"]["proof"][k] or table["facts"]["link"][k]
-        if link:
-            name = f'<a href="{html_value(link)}">{name}</a>'
-        cut = ' <span class="marks">ratio not kept</span>' * table["facts"]["ratio_cut"][k]
-        lines.append(f'<tr><td>{picture}</td><th scope="row">{name}{cut}</th>{cells}</tr>\n')
-    more = ""
-    if len(hits) > PLAIN_ROWS:
-        more = f" These are the first {PLAIN_ROWS} of {len(hits)}."
-    return (
-        '<div id="static"><noscript><p class="notice">Filters and sorting need JavaScript, which '
-        f"is off in this browser.{more}</p></noscript>\n"
-        f'<table class="rows"><thead><tr><th scope="col">picture</th>{heads}</tr></thead>\n'
-        f"<tbody>{''.join(lines)}</tbody></table></div>\n"
-    )
-
-
-def _cell(value: Any, column: Mapping[str, Any]) -> str:
-    if column["kind"] == "number":
-        return rows.plain_number(value, column["decimals"])
-    return "\u2013" if value in (None, "") else str(value)
-
-
-def _failed(failed: Sequence[Hit]) -> str:
-    if not failed:
-        return ""
-    items = "".join(
-        f"<li><bdi>{_text(printable(hit.path, rows.LONGEST))}</bdi>: "
-        f"{_text(printable(hit.row.get('fault') or 'unknown fault', 400))}</li>\n"
-        for hit in failed
-    )
-    count = "1 file" if len(failed) == 1 else f"{len(failed)} files"
-    return (
-        f'<details class="failed" id="failed"><summary>{count} could not be read</summary>\n'
-        f"<ul>{items}</ul></details>\n"
+        f'<header class="head"><h1><bdi>{text(title)}</bdi></h1>\n'
+        f'<p class="quiet">{text(facts)}</p>\n{lines}</header>\n'
     )

@@ -23,8 +23,10 @@ from relgloss_view.measure.readers import (
     generic,
     merl,
     multi_angle,
+    pbsdf,
     rgl,
     spectrum_text,
+    speos,
     ssdd,
     tensor_file,
     zemax,
@@ -43,6 +45,7 @@ FORMATS: Mapping[str, Callable[[Path, ReadOptions], Measurement]] = {
     "alta": alta.read,
     "e1392": astm_e1392.read,
     "ssdd": ssdd.read,
+    "speos": speos.read,
     "cgats": cgats.read,
     "cxf": cxf.read,
 }
@@ -63,15 +66,16 @@ def read_measurement(
 ) -> Measurement:
     """Read a measured table in any of the formats below.
 
-    GCMS-style and generic tables as text (CSV), ASTM E1392, SSDD, ALTA, Zemax BSDF, BSDF XML of
-    WINDOW and Radiance, RGL .bsdf, MERL .binary, and multi-angle readings in CGATS, CxF3 or CSV.
+    GCMS-style and generic tables as text (CSV), ASTM E1392, SSDD, ALTA, Zemax BSDF, Speos,
+    BSDF XML of WINDOW and Radiance, RGL .bsdf, polarised .pbsdf, MERL .binary, and multi-angle readings in
+    CGATS, CxF3 or CSV.
 
     path: the file; its content decides the format (docs/files.md). The name of a built-in paper,
     such as 'art-coated', reads its synthetic table, unless there is a file of that name.
     quantity: 'radiance-factor' (pi f_r), 'brdf' (f_r, 1/sr), 'brdf-cos' (f_r cos theta_r, 1/sr) or
     'radiance-factor-percent' (100 pi f_r). It replaces what the file declares, and is required
     where a text table declares none. A table whose values can't be the declared quantity is
-    refused, unless this argument insists on it. RGL and MERL hold BRDFs whatever it is.
+    refused, unless this argument insists on it. RGL, pBSDF and MERL hold BRDFs whatever it is.
     gamma_s_deg: tilt at which a GCMS table sees the mirror direction, degrees, -90 to 90; replaces
     the declared one.
     angle_unit: 'degrees' or 'radians' of the angles of a text table or of ASTM E1392; replaces the
@@ -88,10 +92,10 @@ def read_measurement(
 
     An argument that a format has no use for gives a warning.
 
-    Sources of the formats: Dupuy and Jakob 2018 (RGL), Matusik et al. 2003 (MERL), libbsdf's
-    specification of SSDD (Kimura 2023), ASTM E1392 as Cornell and libbsdf write it, Belcour et al.
-    2014 (ALTA), Rykowski 2008 (Zemax), LBNL's BSDF-v1.7.7.xsd and Ward's bsdf_m.c (BSDF XML),
-    ANSI CGATS.17, ISO 17972-1 (CxF3), ASTM E2194 (multi-angle geometries).
+    Sources of the formats: Dupuy and Jakob 2018 (RGL), Baek et al. 2020 (pBSDF), Matusik et al.
+    2003 (MERL), libbsdf's specification of SSDD (Kimura 2023), ASTM E1392 as Cornell and libbsdf
+    write it, Belcour et al. 2014 (ALTA), Rykowski 2008 (Zemax), LBNL's BSDF-v1.7.7.xsd and Ward's
+    bsdf_m.c (BSDF XML), ANSI CGATS.17, ISO 17972-1 (CxF3), ASTM E2194 (multi-angle geometries).
 
     >>> read_measurement("uncoated").bands.count
     35
@@ -112,7 +116,7 @@ def _read(path: Path, options: ReadOptions) -> Measurement:
 
     # A file cut off inside the magic number is a damaged .bsdf too.
     if head and tensor_file.MAGIC.startswith(head[: len(tensor_file.MAGIC)]):
-        measurement = replace(rgl.read(path), format="an RGL .bsdf", quantity=BRDF)
+        measurement = _tensor_file(path)
     elif head.startswith(merl.HEADER):
         measurement = replace(merl.read(path), format="a MERL .binary", quantity=BRDF)
     else:
@@ -125,6 +129,12 @@ def _read(path: Path, options: ReadOptions) -> Measurement:
         raise InputError(f"{path}: this looks like {foreign.name}; {foreign.remedy}")
     unused = options.unused("quantity", "gamma_s_deg", "angle_unit", "mirror", "part")
     return replace(measurement, warnings=(*measurement.warnings, *unused))
+
+
+def _tensor_file(path: Path) -> Measurement:
+    if pbsdf.is_polarised(path):
+        return replace(pbsdf.read(path), format="a polarised .pbsdf", quantity=BRDF)
+    return replace(rgl.read(path), format="an RGL .bsdf", quantity=BRDF)
 
 
 def _refuse_no_table(path: Path, head: bytes) -> None:

@@ -19,6 +19,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import open_regular, read_opened
 from relgloss_view.measure import screening as screen
 from relgloss_view.measure.bands import RGB
+from relgloss_view.measure.readers import half_difference
 from relgloss_view.measure.readers.assemble import (
     evaluate_above,
     require_samples,
@@ -121,21 +122,8 @@ class MerlBrdf:
 
 def _bin_coordinates(i: Array, o: Array) -> Array:
     """Continuous bin coordinates (M, 3) of unit vectors i and o (Rusinkiewicz 1998)."""
-    half = i + o
-    half /= np.linalg.norm(half, axis=1)[:, None]
-    sin_h = np.hypot(half[:, 0], half[:, 1])
-    theta_h = np.arctan2(sin_h, half[:, 2])
-    # The azimuth of h, as a unit vector; at the pole any will do.
-    polar = sin_h > 0.0
-    cos_p = np.where(polar, half[:, 0] / np.where(polar, sin_h, 1.0), 1.0)
-    sin_p = np.where(polar, half[:, 1] / np.where(polar, sin_h, 1.0), 0.0)
-    # i in the frame whose pole is h: turned by -phi_h about z, then by -theta_h about y.
-    x = i[:, 0] * cos_p + i[:, 1] * sin_p
-    y = i[:, 1] * cos_p - i[:, 0] * sin_p
-    dx = x * half[:, 2] - i[:, 2] * sin_h
-    dz = x * sin_h + i[:, 2] * half[:, 2]
-    theta_d = np.arctan2(np.hypot(dx, y), dz)
-    phi_d = np.arctan2(y, dx) % np.pi
+    theta_h, theta_d, phi_d = half_difference.angles_of(i, o)
+    phi_d = phi_d % np.pi
     right = 0.5 * np.pi
     coordinates = np.stack(
         [

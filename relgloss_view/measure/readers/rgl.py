@@ -34,8 +34,6 @@ from relgloss_view.measure.table import Measurement, source_is_synthetic
 
 #: Fields that are read; files hold what the acquisition needs beside them.
 FIELDS = ("description", "phi_i", "theta_i", "ndf", "sigma", "vndf", "jacobian")
-#: What the files of polarised BRDFs (Baek et al. 2020) hold in the same container.
-POLARISED = frozenset(("M", "theta_h", "theta_d", "phi_d"))
 MOST_NUMBERS = 10_000_000  #: of a density; the database's have 0.2 million
 MOST_SPECTRAL = 20_000_000  #: of an isotropic file's spectra, float32; the database's have 2
 #: Bands of a spectral file that are kept: those that an eye sees, this far apart at least.
@@ -100,11 +98,6 @@ def load(path: Path) -> RglBrdf:
     Of a file with both rgb and spectra the rgb is taken.
     """
     fields, names = tensor_file.read(path, ("phi_i",), MOST_NUMBERS)
-    if names >= POLARISED:
-        raise InputError(
-            f"{path}: this looks like a polarised BRDF (pBSDF, Baek et al. 2020); relgloss has no "
-            "polarisation: export its unpolarised element M[0, 0] as CSV"
-        )
     phi_i = _floats(path, fields, "phi_i", (None,))
     if len(phi_i) != 1:
         raise InputError(

@@ -72,7 +72,7 @@ def read(path: Path, options: ReadOptions) -> Measurement:
 
     notes = [text.note] if text.note else []
     lamp, receiver = directions(*angles.T)
-    unread, rim = _unread(values, receiver)
+    unread, rim = unread_of(values, receiver)
     notes += rim
     values = np.where(unread[:, None], np.nan, values)
     if len(axes[0]) > 1:
@@ -96,7 +96,7 @@ def read(path: Path, options: ReadOptions) -> Measurement:
     return replace(measurement, warnings=(*measurement.warnings, *unused))
 
 
-def _unread(values: Array, receiver: Array) -> tuple[Mask, list[str]]:
+def unread_of(values: Array, receiver: Array) -> tuple[Mask, list[str]]:
     """Which readings (N, C) the instrument did not take, and a note about them.
 
     It writes zeros where it sees nothing. Where these begin near the horizon its view ends, and

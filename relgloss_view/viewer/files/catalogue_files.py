@@ -9,18 +9,19 @@ import io
 import os
 from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.terminal import ProgressReport, no_progress
-from relgloss_view.catalogue.query.found import Searched
-from relgloss_view.catalogue.query.search import Searcher
-from relgloss_view.catalogue.tree import is_catalogue
-from relgloss_view.viewer.state.catalogues import OpenCatalogue, Stamp
+from relgloss_view.viewer.files.pack_edits import stamp_of
+from relgloss_view.viewer.state.catalogues import OpenCatalogue
 
-CATALOGUE = "catalogue"
+if TYPE_CHECKING:
+    from relgloss_view.catalogue.query.found import Searched
+
 TABLE = "catalogue.parquet"  #: catalogue/table.py NAME, whose imports are heavy
 TABLE_SUFFIXES = (".parquet",)
 LARGEST_PX = 512  #: of a thumbnail's side; a larger one is made smaller
@@ -31,6 +32,8 @@ def catalogue_folder(path: str | os.PathLike[str]) -> str | None:
 
     A damaged catalogue is one too: its reader reports the fault.
     """
+    from relgloss_view.catalogue.tree import is_catalogue
+
     path = Path(path)
     if path.name == TABLE:
         return str(path.absolute().parent)
@@ -44,22 +47,14 @@ def catalogue_folder(path: str | os.PathLike[str]) -> str | None:
 def opened_catalogue(path: str, progress: ProgressReport = no_progress) -> OpenCatalogue:
     """The catalogue of a folder or of its table. InputError, one line, where it can't be read."""
     from relgloss_view.catalogue.catalogue import Catalogue
+    from relgloss_view.catalogue.query.search import Searcher
 
     folder = catalogue_folder(path) or path
     progress(0.0, "reading the catalogue")
-    stamp = stamp_of(folder)
+    stamp = stamp_of(os.path.join(folder, TABLE))
     catalogue = Catalogue.open(Path(folder))
     progress(0.7, "sorting it for searches")
     return OpenCatalogue(folder, catalogue, Searcher(catalogue), stamp)
-
-
-def stamp_of(folder: str) -> Stamp | None:
-    """What tells one state of a catalogue's table from another; None where it can't be seen."""
-    try:
-        seen = os.stat(os.path.join(folder, TABLE))
-    except OSError:
-        return None
-    return seen.st_mtime_ns, seen.st_size, seen.st_ino
 
 
 def decoded_thumbnails(catalogue: Searched, paths: Iterable[str]) -> dict[str, Bytes | None]:

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import ImVec2, imgui
 
-from relgloss_view.catalogue.query.found import Found, Hit
 from relgloss_view.viewer.panels.drop_hand import PAYLOAD
-from relgloss_view.viewer.panels.list_rows import fitting
+from relgloss_view.viewer.panels.list_rows import both_ends, fitting
 from relgloss_view.viewer.shell import widgets
 from relgloss_view.viewer.shell.theme import POPUP, em, gray
 from relgloss_view.viewer.state.catalogues import (
@@ -22,6 +21,7 @@ from relgloss_view.viewer.state.catalogues import (
 )
 
 if TYPE_CHECKING:
+    from relgloss_view.catalogue.query.found import Found, Hit
     from relgloss_view.viewer.shell.catalogue_actions import CatalogueActions
 
 NOTHING = "Nothing is found. Loosen a condition, or empty the search."
@@ -168,7 +168,7 @@ class _Grid:
         self._marks(hit, left, corner.y)
         y = corner.y + 0.5 * self.pad
         bright = imgui.get_color_u32(imgui.Col_.text)
-        painter.add_text(ImVec2(left, y), bright, fitting(title_of(hit.row), self.picture))
+        painter.add_text(ImVec2(left, y), bright, both_ends(title_of(hit.row), self.picture))
         numbers = numbers_of(hit, self.found)
         self._quiet(ImVec2(left, y + self.line), fitting(numbers, self.picture))
         if selected:

@@ -47,6 +47,23 @@ def fitting(text: str, width: float, *, end: bool = False) -> str:
     return _part(text, low, end)
 
 
+def both_ends(text: str, width: float) -> str:
+    """A text with its middle left out, as much as a width in pixels holds.
+
+    Names of one brand begin alike, and differ at their ends.
+    """
+    if imgui.calc_text_size(text).x <= width:
+        return text
+    low, high = 0, len(text)  # the most characters that fit, by halves
+    while low < high:
+        count = (low + high + 1) // 2
+        if imgui.calc_text_size(_ends(text, count)).x <= width:
+            low = count
+        else:
+            high = count - 1
+    return _ends(text, low)
+
+
 def preview(text: str) -> str:
     """The beginning of a text, as much as the combo that comes next holds beside its arrow."""
     room = imgui.calc_item_width() - imgui.get_frame_height()
@@ -56,6 +73,12 @@ def preview(text: str) -> str:
 def small_width(text: str) -> float:
     """Of a small button, in pixels."""
     return float(imgui.calc_text_size(text).x + 2.0 * imgui.get_style().frame_padding.x)
+
+
+def _ends(text: str, count: int) -> str:
+    """The first and the last characters of a text, so many together."""
+    last = count // 2
+    return f"{text[: count - last].rstrip()}…{text[len(text) - last :].lstrip()}"
 
 
 def _part(text: str, count: int, end: bool) -> str:

@@ -6,10 +6,9 @@ Reading, searching and decoding are done in threads. A frame takes what has ende
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from imgui_bundle import imgui
 
@@ -17,15 +16,14 @@ from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.reading import printable
 from relgloss_view.catalogue.query.fault import QueryError
-from relgloss_view.catalogue.query.found import Found, Hit
 from relgloss_view.viewer.drawing.thumbnails import Thumbnails
 from relgloss_view.viewer.files.background import Worker
-from relgloss_view.viewer.files.catalogue_files import decoded_thumbnails, stamp_of
+from relgloss_view.viewer.files.catalogue_files import TABLE, decoded_thumbnails
+from relgloss_view.viewer.files.pack_edits import Poll
 from relgloss_view.viewer.state.catalogues import (
     TILE_EM,
     Asked,
     OpenCatalogue,
-    Stamp,
     is_done,
     nearest_query,
     searched,
@@ -33,8 +31,10 @@ from relgloss_view.viewer.state.catalogues import (
 )
 from relgloss_view.viewer.state.model import Model
 
+if TYPE_CHECKING:
+    from relgloss_view.catalogue.query.found import Found, Hit
+
 PANEL = "Catalogue"
-LOOK_S = 1.0  #: between looks at the file of the open catalogue
 TICK_S = 0.05  #: between frames while something is under way
 AT_ONCE = 24  #: pictures that are decoded in one piece of work
 
@@ -67,10 +67,8 @@ class CatalogueActions:
         self._open_path = open_path
         self._search: Worker[tuple[OpenCatalogue, Asked], Found | QueryError] = Worker(wake)
         self._decode: Worker[tuple[OpenCatalogue, tuple[str, ...]], _Pictures] = Worker(wake)
-        self._look: Worker[OpenCatalogue, tuple[Stamp | None]] = Worker(wake)
+        self._poll = Poll(wake)
         self._answered: Asked | None = None  #: the last query that has an answer
-        self._looked_s = 0.0
-        self._shown_s = -LOOK_S  #: when the panel was drawn last
 
     # --- the actions --------------------------------------------------------------------------
 
@@ -181,7 +179,6 @@ class CatalogueActions:
 
     def shown(self) -> None:
         """The panel is being drawn: the catalogue of the last session is wanted now."""
-        self._shown_s = time.monotonic()
         if self.opened is None and self.remembered:
             self.open(self.remembered)
 
@@ -206,19 +203,16 @@ class CatalogueActions:
 
     def due_s(self) -> float | None:
         """Seconds until a frame is needed without an event; None for no need of one."""
-        if self.thumbnails.waiting or self._search.busy or self._decode.busy or self._look.busy:
-            return TICK_S
-        visible = time.monotonic() - self._shown_s < 2.0 * LOOK_S
-        if self.opened is None or self.changed or not visible:
-            return None
-        return max(self._looked_s + LOOK_S - time.monotonic(), 0.0)
+        busy = self.thumbnails.waiting or self._search.busy or self._decode.busy
+        return TICK_S if self.opened is not None and busy else None
 
     def _report(self, share: float, text: str) -> None:
         """How far the search is, from its thread."""
         self.progress = f"{text} {100.0 * share:.0f} %"
 
     def close(self) -> None:
-        """Free what is on the device; the window is about to close."""
+        """Free what is on the device and stop looking; the window is about to close."""
+        self._poll.close()
         self.thumbnails.release()
 
     def _take_found(self) -> None:
@@ -246,14 +240,9 @@ class CatalogueActions:
         self.thumbnails.give(pictures)
 
     def _look_for_changes(self, opened: OpenCatalogue) -> None:
-        ended = self._look.take()
-        if ended is not None and ended.key is opened and ended.value is not None:
-            (stamp,) = ended.value
-            # Between two files there is none for a moment.
-            if stamp is not None and stamp != opened.stamp and not self.changed:
-                self.changed = True
-                self.model.report(f"the catalogue {opened.name} was built again: Reload shows it")
-        now_s = time.monotonic()
-        if not self.changed and not self._look.busy and now_s - self._looked_s >= LOOK_S:
-            self._looked_s = now_s
-            self._look.start(opened, lambda: (stamp_of(opened.folder),))
+        table = os.path.join(opened.folder, TABLE)
+        self._poll.watch((table,))
+        whole = self._poll.whole(table)
+        if whole is not None and whole != opened.stamp and not self.changed:
+            self.changed = True
+            self.model.report(f"the catalogue {opened.name} was built again: Reload shows it")

@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from relgloss_view.base.reading import printable
 from relgloss_view.base.shell import command_line, operand
@@ -17,12 +17,21 @@ from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.words import sentence_case
 from relgloss_view.catalogue.columns import DONE
 from relgloss_view.catalogue.query.fault import QueryError
-from relgloss_view.catalogue.query.found import Found, Hit, Searched
-from relgloss_view.catalogue.query.parse import parse
-from relgloss_view.catalogue.query.search import Searcher
+
+if TYPE_CHECKING:
+    from relgloss_view.catalogue.query.found import Found, Hit, Searched
+    from relgloss_view.catalogue.query.search import Searcher
+
+    class ShownCatalogue(Searched, Protocol):
+        """What the window needs of a catalogue; catalogue/catalogue.py has it."""
+
+        def material_file(self, path: str) -> Path:
+            """The material file of an item; InputError where it has none."""
+            ...
+
 
 Row = Mapping[str, Any]
-Stamp = tuple[int, int, int]  #: of a file: time of its last change in ns, size in bytes, number
+Stamp = tuple[int, int]  #: of a file: time of its last change in ns, size in bytes
 
 LONGEST_LINE = 160  #: characters of a warning or a path
 MOST_WARNINGS = 4  #: that a tooltip lists
@@ -84,14 +93,6 @@ _MEANINGS = {
 }
 
 
-class ShownCatalogue(Searched, Protocol):
-    """What the window needs of a catalogue; catalogue/catalogue.py has it."""
-
-    def material_file(self, path: str) -> Path:
-        """The material file of an item; InputError where it has none."""
-        ...
-
-
 @dataclass(frozen=True)
 class OpenCatalogue:
     """A catalogue that was read: its folder, its rows, what searches it, and the file's stamp."""
@@ -131,6 +132,9 @@ class Asked:
         >>> Asked("gloss 60 > 40, sort by haze", "name").query
         'gloss 60 > 40, sort by haze'
         """
+        # The language is loaded with the first catalogue, and not when the window starts.
+        from relgloss_view.catalogue.query.parse import parse
+
         typed = parse(self.text) if self.text.strip() else None
         phrase = SORTS.get(self.sort, "")
         if not phrase or (typed is not None and typed.order):
@@ -283,8 +287,8 @@ def found_words(found: Found | None, opened: OpenCatalogue) -> str:
 def nearest_query(row: Row) -> str:
     """The query for what looks most like an item.
 
-    >>> nearest_query({"path": 'gray "a".csv'})
-    "nearest to 'gray \"a\".csv'"
+    >>> print(nearest_query({"path": 'gray "a".csv'}))
+    nearest to 'gray "a".csv'
     """
     path = str(row["path"])
     quote = next((mark for mark in "\"'" if mark not in path), '"')

@@ -12,7 +12,7 @@ export const MISSING = "\u2013";
 
 /** Values of a column by row; numbers are NaN where they are missing. */
 const arrays = new Map(COLUMNS.map(({ name, kind }) => {
-  const values = table.values[name];
+  const values = table.values[name] ?? new Array(COUNT).fill(null); // no row has a value
   return [name, kind === "number" ? Float64Array.from(values, (v) => (v === null ? NaN : v)) : values];
 }));
 
@@ -20,9 +20,17 @@ export function valuesOf(name) {
   return arrays.get(name);
 }
 
-/** A fact of a row that is no column: "link", "proof", "command", "warnings". */
+const FACTS = "facts", later = {};
+
+/** Facts that are read when an item is opened; their block ends the page. */
+function further(name) {
+  if (!later.read && byId(FACTS)) later.read = JSON.parse(byId(FACTS).textContent);
+  return later.read?.[name];
+}
+
+/** A fact of a row that is no column: "ratio_cut", "warned"; "link", "proof", "command", "warnings" of an opened item. */
 export function fact(name, row) {
-  return table.facts[name][row];
+  return (table.marked[name] ?? further(name))?.[row] ?? "";
 }
 
 /** A value as people read it, without its unit. */
@@ -34,7 +42,7 @@ export function words(name, row) {
 
 /** A value with its standard error and unit. */
 export function wholeWords(name, row) {
-  const { unit, decimals } = COLUMN.get(name), errors = table.errors[name];
+  const { unit, decimals } = COLUMN.get(name), errors = further("errors")?.[name];
   const text = words(name, row);
   if (text === MISSING) return text;
   const error = errors && errors[row] !== null ? ` \u00b1 ${errors[row].toFixed(decimals)}` : "";
@@ -47,12 +55,12 @@ export function labOf(row) {
 
 const held = [];
 
-/** The address of a row's thumbnail; "" where it has none, or where its part is still to come. */
+/** The address of a row's thumbnail; "" where it has none, null where its part is still to come. */
 export function pictureOf(row) {
   const part = Math.floor(row / table.part);
   if (!held[part]) {
     const block = byId(`pictures-${part}`);
-    if (!block) return "";
+    if (!block) return null;
     held[part] = JSON.parse(block.textContent);
     block.remove();
   }

@@ -41,7 +41,7 @@ function openBox(...children) {
 export function openItem(row, acts) {
   const facts = COLUMNS.filter(({ name }) => !["rank", "name"].includes(name) && words(name, row) !== MISSING).map(({ name, label }) =>
     make("div", {}, make("dt", { text: label }), make("dd", {}, make("bdi", { text: wholeWords(name, row) }))));
-  const warnings = fact("warnings", row);
+  const warnings = fact("warnings", row) || [];
   const near = labOf(row).every(Number.isFinite);
   const box = openBox(make("h2", { tabindex: -1, autofocus: true }, make("bdi", { text: words("name", row) })),
     make("div", { class: "item" }, picture(row), make("div", {},
@@ -73,8 +73,12 @@ export function openComparison(rows) {
   box.setAttribute("aria-label", say("compare"));
 }
 
+let shown = null;
+
 /** The tray of picked items. acts: {pick(row, on), clear()}. */
 export function showTray(rows, acts) {
+  if (shown === rows.join()) return;
+  shown = rows.join();
   const tray = byId("tray");
   tray.hidden = rows.length === 0;
   tray.replaceChildren(...rows.map((row) => make("button", {

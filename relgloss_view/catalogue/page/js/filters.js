@@ -16,14 +16,25 @@ export function unasked() {
   };
 }
 
+/** Whether there is a filter or an order to clear. */
+export function isAsked({ text, ranges, choices, lab, sort, down }) {
+  return Boolean(text || lab || down) || sort !== "rank" || [ranges, choices].some((one) => Object.keys(one).length > 0);
+}
+
 /** The words of a choice's values, a set a row: marks are a list in one text. */
 export function namesIn(name, value) {
   if (name === "marks") return value ? value.split(",").map((one) => one.trim()) : [""];
   return [value ?? ""];
 }
 
-const searched = Array.from({ length: COUNT }, (_, row) => ["name", "path", "source", "model"]
-  .map((name) => valuesOf(name)[row] ?? "").join("\n").toLocaleLowerCase());
+let lowered = null;
+
+/** The texts of each row that words are looked for in. */
+function searched() {
+  lowered ??= Array.from({ length: COUNT }, (_, row) => ["name", "path", "source", "model"]
+    .map((name) => valuesOf(name)[row] ?? "").join("\n").toLocaleLowerCase());
+  return lowered;
+}
 
 const distances = new Float64Array(COUNT);
 let distancesTo = "";
@@ -43,7 +54,7 @@ export function found(asked) {
   const ranges = Object.entries(asked.ranges).map(([name, [low, high]]) => [valuesOf(name), low, high]);
   const choices = Object.entries(asked.choices).map(([name, names]) => [name, valuesOf(name), names]);
   const far = asked.lab ? distancesOf(asked.lab) : null;
-  const rows = [];
+  const rows = [], texts = wanted.length ? searched() : [];
   next: for (let row = 0; row < COUNT; row++) {
     for (const [values, low, high] of ranges) {
       if (!(values[row] >= low && values[row] <= high)) continue next;
@@ -52,7 +63,7 @@ export function found(asked) {
     for (const [name, values, names] of choices) {
       if (!namesIn(name, values[row]).some((one) => names.includes(one))) continue next;
     }
-    for (const word of wanted) if (!searched[row].includes(word)) continue next;
+    for (const word of wanted) if (!texts[row].includes(word)) continue next;
     rows.push(row);
   }
   return sorted(rows, asked, far);

@@ -1,7 +1,7 @@
 // What is asked, by hand or in the address, and what is shown of it.
 
 import { COLUMNS, COUNT, wholeWords, words, valuesOf } from "./data.js";
-import { MOST_PICKED, SIZES, asFragment, distancesOf, found, ofFragment, unasked } from "./filters.js";
+import { MOST_PICKED, SIZES, asFragment, distancesOf, found, isAsked, ofFragment, unasked } from "./filters.js";
 import { announce, button, byId, copy, make, say } from "./dom.js";
 import { openItem, showTray } from "./details.js";
 import { List } from "./list.js";
@@ -55,12 +55,15 @@ byId("tools").replaceChildren(make("output", { id: "count" }), make("label", { c
     change({});
   }, { id: "clear" }));
 
-byId("static").remove();
+byId("static")?.remove();
 document.documentElement.dataset.live = "yes";
 const list = new List(acts);
 const showPanel = mountPanel(() => asked, change);
 const fold = byId("fold");
-fold.open = matchMedia("(min-width: 900px)").matches;
+// Beside the hits where there is room; above them they would take the hits' place.
+const wide = matchMedia("(min-width: 900px)");
+fold.open = wide.matches;
+wide.addEventListener("change", () => { fold.open = wide.matches; });
 
 function change(part) {
   if (["text", "ranges", "choices", "lab", "sort", "down"].some((key) => key in part)) list.place.scrollTop = 0;
@@ -84,6 +87,7 @@ function show() {
   size.value = SIZES.indexOf(asked.size);
   size.setAttribute("aria-valuetext", say("size.px", { size: asked.size }));
   byId("tools").dataset.view = asked.view;
+  document.documentElement.toggleAttribute("data-asked", isAsked(asked));
   clearTimeout(spoken);
   spoken = setTimeout(() => announce(count), 700);
   clearTimeout(noted);
@@ -98,7 +102,7 @@ addEventListener("hashchange", () => {
   show();
 });
 // Pictures that come after the script are there by then.
-document.addEventListener("DOMContentLoaded", () => list.later());
+document.addEventListener("DOMContentLoaded", () => list.anew());
 window.relgloss = {
   ready: new Promise((done) => { addEventListener("load", () => done()); }),
   asked: () => asked, rows: () => rows, csv: asCsv, words: (name, row) => [words(name, row), wholeWords(name, row)],

@@ -4,7 +4,17 @@ import { COLUMN, COUNT, valuesOf } from "./data.js";
 import { CHOICES, RANGES, namesIn } from "./filters.js";
 import { byId, make, say } from "./dom.js";
 
-const BINS = 32, STEPS = 200, FIRST_OPEN = 3;
+const BINS = 32, STEPS = 200, FIRST_OPEN = 3, MOST_BENT = 6;
+
+/** Histograms are drawn when they come in view, and when they change in view. */
+const drawers = new Map(), inView = new Set();
+const watch = new IntersectionObserver((entries) => {
+  for (const { target, isIntersecting } of entries) {
+    if (isIntersecting) inView.add(target);
+    else inView.delete(target);
+    if (isIntersecting) drawers.get(target)();
+  }
+});
 
 /** A range with its histogram; null where no row has a value. change([low, high] or null). */
 function rangeControl(name, change) {
@@ -15,11 +25,18 @@ function rangeControl(name, change) {
   const unitStep = 10 ** -decimals;
   const least = Number((Math.floor(values[0] / unitStep) * unitStep).toFixed(decimals));
   const most = Number((Math.ceil(values[values.length - 1] / unitStep) * unitStep).toFixed(decimals));
+  // Readings crowd at one end as a rule, and one mirror would leave a slider no step for the papers:
+  // places are a root of values, so that the middle one lies near the middle.
+  const shareOf = (v) => (v - least) / (most - least);
+  let bend = 1;
+  while (bend < MOST_BENT && shareOf(values[values.length >> 1]) < 0.5 ** (bend + 1)) bend++;
+  const placeOf = (v) => Math.min(1, Math.max(0, shareOf(v))) ** (1 / bend);
+  const valueAt = (place) => least + place ** bend * (most - least);
   const counts = new Array(BINS).fill(0);
-  for (const v of values) counts[Math.min(BINS - 1, Math.floor(((v - least) / (most - least)) * BINS))]++;
+  for (const v of values) counts[Math.min(BINS - 1, Math.floor(placeOf(v) * BINS))]++;
   const highest = Math.max(...counts), range = [least, most];
   const bars = make("canvas", { class: "bars", width: BINS * 6, height: 36, "aria-hidden": "true" });
-  const written = (at) => Number((least + (at / STEPS) * (most - least)).toFixed(decimals));
+  const written = (at) => Number(valueAt(at / STEPS).toFixed(decimals));
   const sliders = [0, 1].map((end) => make("input", {
     type: "range", min: 0, max: STEPS, step: 1,
     "aria-label": say(end ? "range.most" : "range.least", { name: label }),
@@ -35,25 +52,33 @@ function rangeControl(name, change) {
     if (!Number.isFinite(value)) return;
     range[end] = value;
     if (range[0] > range[1]) range[1 - end] = value;
+    shown = null;
     show(range);
     change(range[0] <= least && range[1] >= most ? null : [...range]);
   }
+  let shown = null;
   function show(asked) {
     [range[0], range[1]] = asked ?? [least, most];
+    if (shown === range.join()) return;
+    shown = range.join();
     for (const end of [0, 1]) {
-      sliders[end].value = Math.round(((range[end] - least) / (most - least)) * STEPS);
+      sliders[end].value = Math.round(placeOf(range[end]) * STEPS);
       fields[end].value = range[end];
       sliders[end].setAttribute("aria-valuetext", `${range[end]} ${unit}`);
     }
+    if (inView.has(bars)) drawers.get(bars)();
+  }
+  drawers.set(bars, () => {
     const context = bars.getContext("2d");
     context.clearRect(0, 0, bars.width, bars.height);
     counts.forEach((count, bin) => {
-      const middle = least + ((bin + 0.5) / BINS) * (most - least);
+      const middle = valueAt((bin + 0.5) / BINS);
       context.fillStyle = middle >= range[0] && middle <= range[1] ? "#d8d8d8" : "#6b6b6b";
       const high = count ? Math.max(2, (count / highest) * bars.height) : 0;
       context.fillRect(bin * 6, bars.height - high, 5, high);
     });
-  }
+  });
+  watch.observe(bars);
   show(null);
   const element = make("fieldset", { class: "range", "data-range": name },
     make("legend", { text: unit ? `${label} (${unit})` : label }), bars,
