@@ -14,9 +14,10 @@ import io
 import json
 import struct
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 
@@ -53,12 +54,8 @@ def _unsearched() -> Iterator[None]:
         surface = families[0].make(np.array([unknown.start for unknown in families[0].unknowns]))
         return (Found(families[0].name, surface, judge.compare(target, surface)),)
 
-    before = refit_lobes.nearest
-    refit_lobes.nearest = first
-    try:
+    with mock.patch.object(refit_lobes, "nearest", first):
         yield
-    finally:
-        refit_lobes.nearest = before
 
 
 def own_block(path: Path) -> object:
@@ -192,7 +189,7 @@ KEY = "ab" * 32
 def _rows(count: int) -> list[dict[str, Any]]:
     from relgloss_view.catalogue.columns import COLUMNS, FLAG, NUMBER, TEXT, WHOLE
 
-    values = {
+    values: dict[str, Callable[[int], Any]] = {
         NUMBER: lambda k: 7.5 * k + 0.25,
         WHOLE: lambda k: k + 1,
         FLAG: lambda k: k % 2 == 0,
