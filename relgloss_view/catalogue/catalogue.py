@@ -97,7 +97,7 @@ class Catalogue:
         parts = PurePosixPath(place).parts if place else ()
         if not parts:
             raise InputError(f"{printable(path, 100)}: has no material, because it has failed")
-        if PurePosixPath(place).is_absolute() or ".." in parts or "\\" in place:
+        if PurePosixPath(place).is_absolute() or ".." in parts or "\\" in place or "\0" in place:
             raise InputError(f"{named(self.table)}: names a material outside the catalogue")
         return self.folder.joinpath(*parts)
 
