@@ -80,6 +80,7 @@ def test_links_are_followed_once_and_never_in_a_circle(tmp_path):
     (other / "back").symlink_to(other)
     (tree / "gone.json").symlink_to(tmp_path / "nothing")
     (tree / "linked.json").symlink_to(other / "board.json")
+    (tree / "up").symlink_to("..")
     (tree / "ring.json").symlink_to(tree / "gnir.json")
     (tree / "gnir.json").symlink_to(tree / "ring.json")
     os.mkfifo(tree / "pipe.json")
