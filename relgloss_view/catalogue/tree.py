@@ -116,8 +116,9 @@ def _files(top: str, faults: list[str]) -> Iterator[str]:
                 continue
             kind = _kind_of_entry(one)
             if kind == "folder":
-                if one.is_symlink() and _is_within(top, os.path.realpath(one.path)):
-                    continue  # it is in the tree under its own name
+                real = os.path.realpath(one.path)
+                if one.is_symlink() and (_is_within(top, real) or _is_within(real, top)):
+                    continue  # it is in the tree under its own name, or holds the tree
                 if _identity(one.path) in entered or depth + 1 >= MOST_DEPTH:
                     continue
                 if not is_catalogue(one.path):

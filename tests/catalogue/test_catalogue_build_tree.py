@@ -18,6 +18,7 @@ from relgloss_view.catalogue.build import BuildOptions, build
 from relgloss_view.catalogue.catalogue import Catalogue, recipe_of
 from relgloss_view.catalogue.places import LONGEST_PATH, material_places
 from relgloss_view.catalogue.recipe import Recipe
+from relgloss_view.catalogue.table import read_rows, write_table
 from relgloss_view.catalogue.tree import scan
 from relgloss_view.catalogue.work import close_renderer, make_item
 from relgloss_view.material.files import load_material
@@ -79,6 +80,7 @@ def test_links_are_followed_once_and_never_in_a_circle(tmp_path):
     (other / "back").symlink_to(other)
     (tree / "gone.json").symlink_to(tmp_path / "nothing")
     (tree / "linked.json").symlink_to(other / "board.json")
+    (tree / "up").symlink_to("..")
     (tree / "ring.json").symlink_to(tree / "gnir.json")
     (tree / "gnir.json").symlink_to(tree / "ring.json")
     os.mkfifo(tree / "pipe.json")
@@ -277,3 +279,11 @@ def test_a_recipe_of_wrong_values_is_refused(change, tmp_path):
     recipe_of(Recipe().as_json(), tmp_path)  # the control
     with pytest.raises(InputError, match="holds no recipe"):
         recipe_of({**Recipe().as_json(), **change}, tmp_path)
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 1e308])
+def test_numbers_that_no_build_writes_are_read_as_empty(value, tmp_path):
+    path = tmp_path / "catalogue.parquet"
+    rows = [{"path": "a", "gloss_60": value}, {"path": "b", "gloss_60": 40.0}]
+    write_table(path, rows, {}, path)
+    assert [row["gloss_60"] for row in read_rows(path)] == [None, 40.0]
