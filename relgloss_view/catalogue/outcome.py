@@ -31,6 +31,7 @@ class Written:
 
     done: int = 0
     removed: int = 0
+    qualities: dict[str, int] = field(default_factory=dict)  #: how many fits of each
     drivers: set[str] = field(default_factory=set)
     materials: set[str] = field(default_factory=set)  #: from the catalogue's folder
 
@@ -94,6 +95,8 @@ def _row(
     if item.driver:
         written.drivers.add(item.driver)
     written.done += row["status"] == DONE
+    if row.get("quality"):
+        written.qualities[row["quality"]] = written.qualities.get(row["quality"], 0) + 1
     return row
 
 

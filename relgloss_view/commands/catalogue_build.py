@@ -102,7 +102,11 @@ def run(args: argparse.Namespace) -> int:
     )
     with Progress("catalogue") as progress:
         options = BuildOptions(engine, args.keep_going, args.retry, progress)
-        report = build(args.folder, args.output, recipe, options)
+        try:
+            report = build(args.folder, args.output, recipe, options)
+        except KeyboardInterrupt:
+            print("what is done is kept; the same command goes on from there", file=sys.stderr)
+            raise
     if args.json:
         print(json.dumps({"output": args.output, **report.as_json()}))
     else:

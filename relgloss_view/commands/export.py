@@ -17,6 +17,11 @@ if TYPE_CHECKING:
     from relgloss_view.pack.pack import Pack
 
 LEAST_PX, LARGEST_PX = 16, 16384  #: of a texture
+LEGEND = (
+    "how to read it: dE2000 is the difference of colour between the highlight here and the file's, "
+    "pixel by pixel: 1 is just seen, 3 at a glance; 95 of 100 pixels differ less than p95. Gloss "
+    "is in gloss units: here -> in the file"
+)
 
 
 def add(commands: Any) -> None:
@@ -72,6 +77,13 @@ def add(commands: Any) -> None:
         default=MOST_PX,
         help=f"Longest side of a texture, in pixels (default {MOST_PX})",
     )
+    parser.add_argument(
+        "--bare",
+        action="store_true",
+        help="Leave out what others need not see: the material itself with its spectrum and "
+        "source, its gloss readings, and what is lost, which is printed alone (.glb, .mtlx); "
+        "import refits such a file",
+    )
     parser.add_argument("--json", action="store_true", help="Print what was written as JSON")
     parser.set_defaults(run=run)
 
@@ -92,6 +104,7 @@ def run(args: argparse.Namespace) -> int:
         basis=args.basis,
         shape=Shape(args.form) if args.form else None,
         most_px=args.pixels,
+        bare=args.bare,
     )
     exported = chosen.write(what, path, options)
     if args.json:
@@ -112,6 +125,8 @@ def run(args: argparse.Namespace) -> int:
             f"compare the pictures before you use the file: more is lost of {', '.join(lossy)} "
             "than the eye or a gloss meter overlooks"
         )
+    if exported.losses:
+        print(LEGEND)
     print(f"{printable(args.output)}: written as {chosen.name}")
     return 0
 

@@ -59,12 +59,12 @@ def in_xyz(material: Material) -> Folded:
 
 
 def metal_notes(material: Material) -> tuple[str, ...]:
-    """How a table of a metal comes back: a fit finds the metal where it is asked to."""
+    """How a table of a metal comes back: a fit has to find the metal again."""
     if not any(lobe.is_metal for lobe in material.visible_lobes()):
         return ()
     return (
-        "to read it back: relgloss fit --model metal, as a table does not state it; "
-        "compare the gloss, because that model has one lobe",
+        "a table does not state that this is a metal: relgloss fit finds it by its brightness; "
+        "compare the gloss of both",
     )
 
 

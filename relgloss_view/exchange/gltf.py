@@ -42,39 +42,40 @@ MATERIAL_LINES = ("colours are under D65", "surface grain (sigma_N) is not carri
 
 def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported:
     """Write a .glb of a pack, or of a material on a form. See formats.Writer."""
-    data, exported = glb(what, shape=options.shape, most_px=options.most_px)
+    data, exported = glb(what, shape=options.shape, most_px=options.most_px, bare=options.bare)
     with whole_file(path) as temporary:
         temporary.write_bytes(data)
     return exported
 
 
 def glb(
-    what: Material | Pack, *, shape: Shape | None = None, most_px: int = MOST_PX
+    what: Material | Pack, *, shape: Shape | None = None, most_px: int = MOST_PX, bare: bool = False
 ) -> tuple[bytes, Exported]:
     """The bytes of a .glb, and what they carry and lose.
 
     shape: the form of a material; None for the paper's cylinder. most_px: longest side of a
-    texture. Raises InputError where a mask or a mesh file can't be read, or memory is short.
+    texture. bare: without `extras`, which hold our own numbers. Raises InputError where a mask or
+    a mesh file can't be read, or memory is short.
     """
     if isinstance(what, Pack):
-        return _pack(what, most_px)
-    return _material(what, shape or Shape())
+        return _pack(what, most_px, bare)
+    return _material(what, shape or Shape(), bare)
 
 
-def _material(material: Material, shape: Shape) -> tuple[bytes, Exported]:
+def _material(material: Material, shape: Shape, bare: bool) -> tuple[bytes, Exported]:
     refit = refit_gltf(material)
     builder = Builder()
     entry = _surface(refit).as_json()
     own: dict[str, Any] = {"loss": refit.loss.as_json(), "lines": list(refit.lines)}
     own |= own_numbers(material, entry)
     builder.uses(entry.get("extensions", {}))
-    number = builder.add("materials", {"name": material.name, **entry, "extras": {EXTRAS: own}})
+    extras = {} if bare else {"extras": {EXTRAS: own}}
+    number = builder.add("materials", {"name": material.name, **entry, **extras})
     mesh = triangles_of(shape)
     _put_mesh(builder, mesh, shape.kind, [number] * len(mesh.parts), [True] * len(mesh.parts))
     lines = (*refit.lines, *MATERIAL_LINES)
-    data = builder.file_bytes(
-        {EXTRAS: {"lines": list(lines), "losses": {material.name: own["loss"]}}}
-    )
+    of_file = {EXTRAS: {"lines": list(lines), "losses": {material.name: own["loss"]}}}
+    data = builder.file_bytes({} if bare else of_file)
     return data, Exported(lines, {material.name: refit.loss})
 
 
@@ -94,7 +95,7 @@ class _Pictures:
         return {"index": self.numbers[file]}
 
 
-def _pack(pack: Pack, most_px: int) -> tuple[bytes, Exported]:
+def _pack(pack: Pack, most_px: int, bare: bool) -> tuple[bytes, Exported]:
     label, layers = label_of(pack.shape), layers_of(pack)
     refits = [refit_gltf(plain.material, keeps_body=True) for plain in plain_finishes(pack, LAMP)]
     surfaces = [_surface(refit) for refit in refits]
@@ -113,7 +114,8 @@ def _pack(pack: Pack, most_px: int) -> tuple[bytes, Exported]:
         maps, entry = made[key]
         named = {"finishes": [pack.finishes[k].name for k in maps.finishes]}
         builder.uses(entry.get("extensions", {}))
-        numbers.append(builder.add("materials", {"name": name, **entry, "extras": {EXTRAS: named}}))
+        of_part = {} if bare else {"extras": {EXTRAS: named}}
+        numbers.append(builder.add("materials", {"name": name, **entry, **of_part}))
         textured.append(_has_textures(maps))
     mesh = triangles_of(pack.shape)
     _put_mesh(builder, mesh, pack.name, numbers, textured)
@@ -132,7 +134,7 @@ def _pack(pack: Pack, most_px: int) -> tuple[bytes, Exported]:
         "losses": {name: loss.as_json() for name, loss in losses.items()},
         "finishes": [_finish(pack, k, surfaces[k], refits[k]) for k in sorted(lying)],
     }
-    return builder.file_bytes({EXTRAS: extras}), Exported(tuple(lines), losses)
+    return builder.file_bytes({} if bare else {EXTRAS: extras}), Exported(tuple(lines), losses)
 
 
 def _finish(pack: Pack, number: int, surface: GltfSurface, refit: Refit) -> dict[str, Any]:

@@ -27,7 +27,7 @@ STARTED_S = 60.0
 ENDED_S = 10.0  #: so long processes may take to end
 
 
-def results(tasks, options, step=None):
+def results(tasks, options, step=None, engine=run):
     """What `done` got, by key; each key once."""
     got = {}
 
@@ -37,7 +37,7 @@ def results(tasks, options, step=None):
         if step is not None:
             step()
 
-    run(tasks, done, options)
+    engine(tasks, done, options)
     return got
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import random
@@ -22,7 +23,9 @@ from relgloss_view.catalogue import build as building
 from relgloss_view.catalogue.build import BuildOptions, build
 from relgloss_view.catalogue.catalogue import Catalogue
 from relgloss_view.catalogue.engine import EngineOptions, Lost
+from relgloss_view.catalogue.item import Item
 from relgloss_view.catalogue.recipe import Recipe
+from relgloss_view.catalogue.store import Store
 
 KEEP = BuildOptions(keep_going=True)
 
@@ -71,7 +74,7 @@ def test_order_and_number_of_workers_do_not_show(quick, tmp_path, monkeypatch, s
 
 def test_a_kill_at_every_step_loses_at_most_the_item_in_hand(quick, tmp_path, monkeypatch):
     """The process ends before and after each file that gets its name, as a kill would end it."""
-    tree = quick_tree(tmp_path / "tree")
+    tree = quick_tree(tmp_path / "tree", 4)
     build(tree, tmp_path / "plain")
     expected = contents(tmp_path / "plain")
     replace = os.replace
@@ -99,12 +102,12 @@ def test_a_kill_at_every_step_loses_at_most_the_item_in_hand(quick, tmp_path, mo
             kept = len([*(tmp_path / "killed").glob("items/*/*.json")])
             quick.clear()
             build(tree, tmp_path / "killed")
-            assert len(quick) == 6 - kept
+            assert len(quick) == 4 - kept
             assert contents(tmp_path / "killed") == expected
         if status == 0:
             break
         steps += 1
-    assert steps >= 6 + 6 + 2  # each item, each material, the mark and the table
+    assert steps >= 4 + 4 + 2  # each item, each material, the mark and the table
 
 
 def test_a_record_that_is_not_whole_is_made_again(quick, tmp_path):
@@ -263,39 +266,50 @@ def test_many_rows_are_written_in_parts(quick, tmp_path):
     assert names == [(row["path"], row["name"]) for row in catalogue.rows]
 
 
-def _killed_at_random(tmp_path, kills, count):
-    """Builds of a tree whose processes are killed at random moments; the end of the last one."""
-    tree = quick_tree(tmp_path / "tree", count)
-    words = [sys.executable, "-m", "relgloss_view.cli", "catalogue", "build", str(tree), "-o"]
-    options = ["--workers", "1", "--json"]
-    began = time.monotonic()
-    subprocess.run([*words, str(tmp_path / "plain"), *options], check=True, capture_output=True)
-    took_s = time.monotonic() - began
-    seed = random.Random(7)
-    for _ in range(kills):
-        with subprocess.Popen(
-            [*words, str(tmp_path / "killed"), *options],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        ) as process:
-            time.sleep(seed.uniform(0.2, 1.0) * took_s)
-            process.kill()
-    last = subprocess.run(
-        [*words, str(tmp_path / "killed"), *options], check=True, capture_output=True
-    )
-    assert contents(tmp_path / "plain") == contents(tmp_path / "killed")
-    report: dict[str, object] = json.loads(last.stdout)
-    return report
+BUILD = (sys.executable, "-m", "relgloss_view.cli", "catalogue", "build")
+ALONE = ("--workers", "1", "--json")
+
+
+def _started(tree, catalogue):
+    words = [*BUILD, str(tree), "-o", str(catalogue), *ALONE]
+    return subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def _report(tree, catalogue):
+    """Of a build by the command, to its end."""
+    words = [*BUILD, str(tree), "-o", str(catalogue), *ALONE]
+    return json.loads(subprocess.run(words, check=True, capture_output=True).stdout)
 
 
 def test_a_killed_program_goes_on(tmp_path):
-    assert _killed_at_random(tmp_path, 2, 5)["done"] == 5
+    """Killed once its first item is kept; the next one keeps that, and all bytes are the same."""
+    tree, catalogue = quick_tree(tmp_path / "tree", 6), tmp_path / "killed"
+    with _started(tree, catalogue) as process:
+        while process.poll() is None and not [*catalogue.glob("items/*/*.json")]:
+            time.sleep(0.002)
+        process.kill()
+    assert process.returncode == -signal.SIGKILL  # it was not at its end
+    kept = len([*catalogue.glob("items/*/*.json")])
+    report = _report(tree, catalogue)
+    assert (report["done"], report["unchanged"]) == (6, kept)
+    build(tree, tmp_path / "plain")
+    assert contents(tmp_path / "plain") == contents(catalogue)
 
 
 @pytest.mark.slow
 def test_a_program_killed_often_goes_on(tmp_path):
-    report = _killed_at_random(tmp_path, 25, 40)
+    tree, catalogue = quick_tree(tmp_path / "tree", 40), tmp_path / "killed"
+    began = time.monotonic()
+    _report(tree, tmp_path / "plain")
+    took_s = time.monotonic() - began
+    seed = random.Random(7)
+    for _ in range(25):
+        with _started(tree, catalogue) as process:
+            time.sleep(seed.uniform(0.2, 1.0) * took_s)
+            process.kill()
+    report = _report(tree, catalogue)
     assert (report["done"], report["failed"]) == (40, 0)
+    assert contents(tmp_path / "plain") == contents(catalogue)
 
 
 @pytest.mark.slow
@@ -306,6 +320,33 @@ def test_two_workers_give_the_bytes_of_one(tmp_path):
         options = BuildOptions(EngineOptions(workers=workers))
         build(tree, tmp_path / str(workers), recipe, options)
     assert contents(tmp_path / "1") == contents(tmp_path / "2")
+
+
+@pytest.mark.parametrize("change", ["key", "type", "name", "text", "body"])
+def test_a_record_with_a_true_digest_and_wrong_content_counts_as_none(change, tmp_path):
+    """It is removed, so that a build is never told twice that its store was changed."""
+    recipe, key, other = Recipe(), "ab" * 32, "cd" * 32
+    store = Store(tmp_path)
+    row = {"path": "a.csv", "kind": "table", "status": "failed", "fault": "x", "bytes": 3}
+    store.put(key, Item(row, failed_in="file"), recipe)
+    place = tmp_path / "items" / key[:2] / f"{key}.json"
+    assert store.kept(key) is not None
+    assert store.item(key) is not None
+    head, body = (json.loads(line) for line in place.read_bytes().split(b"\n")[1:])
+    if change == "key":
+        head["key"] = other
+    elif change == "type":
+        body["row"]["gloss_60"] = "high"
+    elif change == "name":
+        body["row"]["colour"] = 1
+    elif change == "text":
+        body["row"]["fault"] = "\ud800"
+    lines = [json.dumps(head).encode(), b"[]" if change == "body" else json.dumps(body).encode()]
+    data = b"\n".join(lines)
+    place.write_bytes(hashlib.sha256(data).hexdigest().encode() + b"\n" + data)
+    assert store.item(key) is None
+    assert not place.exists()
+    assert store.kept(key) is None
 
 
 MEMORY = """

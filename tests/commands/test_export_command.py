@@ -14,7 +14,12 @@ def test_out_and_in(tmp_path, capsys):
     out, back = tmp_path / "u.mtlx", tmp_path / "u.json"
     assert main(["export", "satin-varnish", "-o", str(out)]) == 0
     printed = capsys.readouterr()
-    assert "highlight dE2000 p95" in printed.out
+    # One sentence for a designer first, then the numbers.
+    first, second, *rest = printed.out.splitlines()
+    assert "satin_varnish: the highlight looks nearly the same, and the gloss is kept (60" in first
+    assert "highlight dE2000 p95" in second
+    assert len(rest) < 5
+    assert not printed.err
     assert main(["import", str(out), "-o", str(back)]) == 0
     assert "unchanged" in capsys.readouterr().out
     assert load_material(back).name == "satin varnish"
