@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from relgloss_view.catalogue.columns import NAMES
+from relgloss_view.catalogue.columns import NAMES, TABLE_FILE
 from relgloss_view.catalogue.recipe import Recipe
 from relgloss_view.catalogue.tree import FORMAT, MARK
 from relgloss_view.material.files import load_material, save_material
@@ -82,8 +82,7 @@ def sorted_rows(count: int) -> list[tuple[int, dict[str, Any]]]:
 
 def write(folder: Path, count: int, materials: int = 20) -> None:
     """Write a catalogue as a folder, with the material files of the first rows."""
-    from relgloss_view.catalogue.catalogue import VERSION
-    from relgloss_view.catalogue.table import NAME, write_table
+    from relgloss_view.catalogue.table import VERSION, write_table
 
     folder.mkdir(parents=True, exist_ok=True)
     (folder / MARK).write_text(json.dumps({"format": FORMAT, "version": 1}), encoding="utf-8")
@@ -94,7 +93,7 @@ def write(folder: Path, count: int, materials: int = 20) -> None:
         for k, row in rows:
             yield row if is_failed(k) else row | {"thumbnail": png_of(k % GRAYS)}
 
-    write_table(folder / NAME, pictured(), metadata, folder / NAME)
+    write_table(folder / TABLE_FILE, pictured(), metadata, folder / TABLE_FILE)
     write_materials(folder, (row for _, row in rows[:materials]))
 
 

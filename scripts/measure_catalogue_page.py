@@ -5,7 +5,7 @@ Usage: python scripts/measure_catalogue_page.py [--rows N ...] [--times N] [FILE
 Without FILE it writes pages of seeded rows. Opening is counted from the navigation's start: to the
 first contentful paint, to the first frame of hits with all their pictures decoded, and to the end
 of loading. A filter is counted from before the input event to after the frame that shows it (two
-animation frames later, so up to 33 ms are the wait for frames of 60 Hz). "main thread" is the time
+animation frames later, so up to 33 ms are the wait for frames of 60 Hz). "thread" is the time
 that the page's thread computes for a filter: other programs of the machine do not change it much.
 Chromium's own start is not counted.
 """
@@ -114,9 +114,7 @@ def _measure(browser: Any, file: Path, times: int) -> None:
         before = _computed_ms(browser)
         middle, most = browsers.call(browser, TIMES.replace("ACT", act), times)
         thread = (_computed_ms(browser) - before) / times
-        print(
-            f"  {name}: median {middle:.0f} ms, 95 % {most:.0f} ms, main thread {thread:.1f} ms each"
-        )
+        print(f"  {name}: median {middle:.0f} ms, 95 % {most:.0f} ms, thread {thread:.1f} ms each")
 
 
 def _computed_ms(browser: Any) -> float:

@@ -16,8 +16,9 @@ from typing import Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.reading import named, printable
+from relgloss_view.base.shell import command_line
 from relgloss_view.base.terminal import ProgressReport, no_progress
-from relgloss_view.catalogue.columns import FAILED
+from relgloss_view.catalogue.columns import FAILED, TABLE_FILE
 from relgloss_view.catalogue.engine import EngineOptions, Lost, Task, run
 from relgloss_view.catalogue.folder import claimed, write_mark
 from relgloss_view.catalogue.item import OF_MACHINE, Fitted, Item
@@ -27,7 +28,10 @@ from relgloss_view.catalogue.recipe import Recipe
 from relgloss_view.catalogue.store import Store, key_of
 from relgloss_view.catalogue.tree import Entry, Tree, is_catalogue, scan
 from relgloss_view.catalogue.work import close_renderer, make_item
+from relgloss_view.material.material import Quality
 
+MOST_DOUBTFUL_NAMED = 5
+GOOD = str(Quality.GOOD)
 GO_ON = "--keep-going goes on past faults"
 
 
@@ -57,6 +61,8 @@ class Report:
     unchanged: int = 0
     removed: int = 0  #: materials of files that are no longer in the tree
     passed_over: int = 0  #: files that are no tables, materials or proofs
+    doubtful: list[str] = field(default_factory=list)  #: of them, those named as tables are
+    qualities: dict[str, int] = field(default_factory=dict)  #: how many fits are good, poor ...
     faults: list[str] = field(default_factory=list)  #: PATH: what is wrong, sorted
     is_complete: bool = False  #: whether the table was written
 
@@ -103,6 +109,7 @@ class _Build:
         self.catalogue, self.tree, self.recipe, self.options = catalogue, tree, recipe, options
         self.store = Store(catalogue)
         self.report = Report(rows=len(tree.entries), passed_over=tree.passed_over)
+        self.report.doubtful = list(tree.doubtful)
         self.keys: dict[str, str] = {}  #: record by path
         self._groups: dict[str, list[Entry]] = {}  #: entries by record
         self._stopped = False
@@ -201,6 +208,7 @@ class _Build:
         self.store.tidy(self._groups.keys())
         self.report.removed = written.removed
         self.report.done = written.done
+        self.report.qualities = dict(sorted(written.qualities.items()))
         self.report.is_complete = True
 
 
@@ -211,6 +219,7 @@ def words_of(report: Report, output: str) -> list[str]:
         lines.append(
             f"{_counted(report.rows, 'file')}: {report.done:,} done, {report.failed:,} failed"
         )
+        lines += _fits_words(report, output)
     work = [
         (report.worked, "new or changed"),
         (report.drawn_again, "only metered and drawn again"),
@@ -221,10 +230,33 @@ def words_of(report: Report, output: str) -> list[str]:
         lines.append(f"{_counted(report.removed, 'material')} of files that are gone: removed")
     if report.passed_over:
         words = _counted(report.passed_over, "file")
-        lines.append(f"{words} passed over: no table, material or proof")
+        lines.append(f"{words} passed over: no table, material or proof{_doubtful_words(report)}")
     if report.is_complete:
-        lines.append(f"{printable(os.path.join(output, 'catalogue.parquet'))}: written")
+        lines.append(f"{printable(os.path.join(output, TABLE_FILE))}: written")
     return lines
+
+
+def _fits_words(report: Report, output: str) -> list[str]:
+    """How good the fits are, and how to see those that are not."""
+    if not report.qualities:
+        return []
+    line = "fits: " + ", ".join(
+        f"{count:,} {quality}" for quality, count in report.qualities.items()
+    )
+    if set(report.qualities) - {GOOD}:
+        search = command_line(["relgloss", "catalogue", "search", output, "quality is not good"])
+        line += f"; gloss and pictures of the others may be wrong: {search}"
+    return [line]
+
+
+def _doubtful_words(report: Report) -> str:
+    """The files passed over that may have been meant as tables."""
+    if not report.doubtful:
+        return ""
+    named_ones = ", ".join(printable(path, 60) for path in report.doubtful[:MOST_DOUBTFUL_NAMED])
+    more = len(report.doubtful) - MOST_DOUBTFUL_NAMED
+    named_ones += f" and {more:,} more" if more > 0 else ""
+    return f"; is one of these a table? {named_ones} (`relgloss measure FILE` prints what is wrong)"
 
 
 def _counted(count: int, noun: str) -> str:

@@ -6,18 +6,22 @@ import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import named, printable, refuse
 from relgloss_view.catalogue import table
+from relgloss_view.catalogue.columns import TABLE_FILE
+from relgloss_view.catalogue.places import parts_within
 from relgloss_view.catalogue.recipe import Recipe
 from relgloss_view.catalogue.tree import FORMAT, MARK, is_catalogue
+from relgloss_view.gloss.samples import GLOSSES
 from relgloss_view.material.files import load_material
 from relgloss_view.material.material import Material
 
 VERSION = 1
+MOST_PX = 4096  #: of a thumbnail's side
 REMEDY = "give the folder that `relgloss catalogue build` has made"
 
 
@@ -45,7 +49,7 @@ class Catalogue:
         place = Path(folder)
         if not is_catalogue(place):
             raise InputError(f"{named(place)}: is no catalogue; {REMEDY}")
-        path = place / table.NAME
+        path = place / TABLE_FILE
         if not os.path.lexists(path):
             raise InputError(
                 f"{named(place)}: holds no table yet, because its build did not end; build it again"
@@ -58,7 +62,7 @@ class Catalogue:
     @property
     def table(self) -> Path:
         """The Parquet file."""
-        return self.folder / table.NAME
+        return self.folder / TABLE_FILE
 
     @cached_property
     def rows(self) -> tuple[dict[str, Any], ...]:
@@ -92,10 +96,10 @@ class Catalogue:
     def material_file(self, path: str) -> Path:
         """The material file of an item; InputError where it has none."""
         place = self.row(path)["material"]
-        parts = PurePosixPath(place).parts if place else ()
-        if not parts:
+        if not place:
             raise InputError(f"{printable(path, 100)}: has no material, because it has failed")
-        if PurePosixPath(place).is_absolute() or ".." in parts or "\\" in place:
+        parts = parts_within(place)
+        if not parts:
             raise InputError(f"{named(self.table)}: names a material outside the catalogue")
         return self.folder.joinpath(*parts)
 
@@ -109,6 +113,26 @@ def recipe_of(content: object, place: Path) -> Recipe:
     try:
         values = dict(content)  # type: ignore[call-overload]
         values.pop("revision")
-        return Recipe(**values)
+        recipe = Recipe(**values)
+        _check(recipe)
+        return recipe
     except (TypeError, ValueError, KeyError) as error:
         raise InputError(f"{named(place)}: holds no recipe ({MARK} and it differ?)") from error
+
+
+def _check(recipe: Recipe) -> None:
+    """Raise ValueError where a value is none that a recipe holds."""
+    numbers = [recipe.reference_sigma_n_deg]
+    numbers += [] if recipe.reference_c is None else [recipe.reference_c]
+    is_number = [isinstance(v, int | float) and not isinstance(v, bool) for v in numbers]
+    options = (recipe.fit, recipe.table)
+    right = (
+        isinstance(recipe.reference, str | dict)
+        and all(is_number)
+        and recipe.gloss in GLOSSES
+        and type(recipe.thumbnail_px) is int
+        and 1 <= recipe.thumbnail_px <= MOST_PX
+        and all(isinstance(one, dict) for one in options)
+    )
+    if not right:
+        raise ValueError("a value of a recipe")

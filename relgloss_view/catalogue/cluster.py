@@ -51,7 +51,9 @@ def on_processes(tasks: Iterable[Task], done: Done, options: EngineOptions) -> N
                 local_cluster(number, evidence, dashboard=options.dashboard)
             )
         elif not address.startswith(SCHEMES):
-            raise InputError(f"scheduler {address!r}: expected tcp://HOST:PORT or tls://HOST:PORT")
+            raise InputError(
+                f"--scheduler {address!r}: expected tcp://HOST:PORT or tls://HOST:PORT"
+            )
         try:
             client = distributed.Client(
                 address, timeout=options.patience_s, set_as_default=False, name="relgloss"

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+TABLE_FILE = "catalogue.parquet"  #: in the folder of a catalogue
 TEXT, NUMBER, WHOLE, FLAG, BYTES = "text", "number", "whole number", "yes or no", "bytes"
 TABLE, MATERIAL, PROOF = "table", "material", "proof"  #: kinds of files
 DONE, FAILED = "done", "failed"  #: what became of a file
@@ -34,6 +35,8 @@ READINGS = {
     "contrast-gloss": "contrast_gloss",
     "distinctness": "distinctness",
 }
+
+LAB = ("L_star", "a_star", "b_star")  #: columns of the colour
 
 COLUMNS = (
     Column("path", TEXT, "", "the file, from the top of the tree, with /", "file"),

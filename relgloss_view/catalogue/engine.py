@@ -79,7 +79,7 @@ Engine = Callable[[Iterable[Task], Done, EngineOptions], None]
 def run(tasks: Iterable[Task], done: Done, options: EngineOptions) -> None:
     """Work off the tasks by the engine that the options ask for."""
     if options.workers is not None and not 1 <= options.workers <= MOST_WORKERS:
-        raise InputError(f"workers: expected 1 to {MOST_WORKERS}, got {options.workers}")
+        raise InputError(f"--workers {options.workers}: expected 1 to {MOST_WORKERS}")
     if options.scheduler is None and options.workers == 1 and not options.dashboard:
         in_this_process(tasks, done, options)
         return

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from relgloss_view.catalogue.columns import READINGS
+from relgloss_view.catalogue.columns import LAB, READINGS
 from relgloss_view.catalogue.one_thread import one_thread
 from relgloss_view.catalogue.recipe import Recipe
 from relgloss_view.gloss.match import Reference, full_c, gloss_of, matched_point
@@ -112,11 +112,8 @@ def numbers_of(material: Material, recipe: Recipe) -> dict[str, Any]:
     reference = reference_of(recipe)
     row["gloss_ratio"] = gloss_of(material, recipe.gloss) / reference.reading
     lab = colour_of(material, LAB_LAMP)
-    row |= {name: float(value) for name, value in zip(_LAB, lab, strict=True)}
+    row |= {name: float(value) for name, value in zip(LAB, lab, strict=True)}
     return row
-
-
-_LAB = ("L_star", "a_star", "b_star")
 
 
 def setting_of(matched: Matched, frame: Frame, sigma_n_deg: float) -> dict[str, Any]:

@@ -12,18 +12,17 @@ from typing import Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.json_files import read_mark
+from relgloss_view.base.reading import named
 from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.base.version import __version__
 from relgloss_view.catalogue import table
-from relgloss_view.catalogue.columns import DONE, FAILED
+from relgloss_view.catalogue.columns import DONE, FAILED, TABLE_FILE
 from relgloss_view.catalogue.places import FOLDER, SUFFIX, material_places
 from relgloss_view.catalogue.recipe import Recipe
 from relgloss_view.catalogue.store import PART, Store, put_whole
 from relgloss_view.catalogue.tree import FORMAT, Entry
 from relgloss_view.material.files import FORMAT as MATERIAL_FORMAT
 from relgloss_view.material.files import material_text
-
-VERSION = 1  #: of the table
 
 
 @dataclass
@@ -32,6 +31,7 @@ class Written:
 
     done: int = 0
     removed: int = 0
+    qualities: dict[str, int] = field(default_factory=dict)  #: how many fits of each
     drivers: set[str] = field(default_factory=set)
     materials: set[str] = field(default_factory=set)  #: from the catalogue's folder
 
@@ -53,7 +53,7 @@ def write_outcome(
     places = material_places(entry.path for entry in entries)
     metadata: dict[str, Any] = {
         "format": FORMAT,
-        "version": VERSION,
+        "version": table.VERSION,
         "program": __version__,
         "recipe": recipe.as_json(),
         "drivers": [],
@@ -66,7 +66,7 @@ def write_outcome(
             yield _row(catalogue, entry, keys.get(entry.path), places, store, written)
         metadata["drivers"] = sorted(written.drivers)
 
-    table.write_table(catalogue / table.NAME, rows(), metadata, catalogue)
+    table.write_table(catalogue / TABLE_FILE, rows(), metadata, catalogue)
     written.removed = _remove_others(catalogue, written.materials)
     return written
 
@@ -85,7 +85,7 @@ def _row(
         return row | {"status": FAILED, "fault": entry.fault}
     item = store.item(key)
     if item is None:
-        raise InputError(f"{catalogue}: the store was changed meanwhile; build again")
+        raise InputError(f"{named(catalogue)}: the store was changed meanwhile; build again")
     row = item.row | row
     if item.material is not None:
         text = material_text(item.material).encode("utf-8")
@@ -95,6 +95,8 @@ def _row(
     if item.driver:
         written.drivers.add(item.driver)
     written.done += row["status"] == DONE
+    if row.get("quality"):
+        written.qualities[row["quality"]] = written.qualities.get(row["quality"], 0) + 1
     return row
 
 

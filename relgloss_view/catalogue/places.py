@@ -7,6 +7,7 @@ import re
 import unicodedata
 from collections import defaultdict
 from collections.abc import Iterable
+from pathlib import PurePosixPath
 
 FOLDER = "materials"
 SUFFIX = ".json"
@@ -39,6 +40,17 @@ def material_places(paths: Iterable[str]) -> dict[str, str]:
             for path in group:
                 places[path] = f"{places[path]}~{_digest(path)[:8]}"
     return {path: f"{FOLDER}/{place}{SUFFIX}" for path, place in places.items()}
+
+
+def parts_within(place: str) -> tuple[str, ...]:
+    """The names of a path below the catalogue's folder; () for one that leads out of it.
+
+    >>> parts_within("materials/lot 1/paper.json"), parts_within("../paper.json")
+    (('materials', 'lot 1', 'paper.json'), ())
+    """
+    path = PurePosixPath(place)
+    leads_out = path.is_absolute() or ".." in path.parts or "\\" in place
+    return () if leads_out else path.parts
 
 
 def _place(path: str) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 from relgloss_view.base.version import __version__
 from relgloss_view.gloss.samples import DEFAULT_GLOSS
 
-THUMBNAIL_PX = 128
+THUMBNAIL_PX, MOST_THUMBNAIL_PX = 128, 4096  #: of a thumbnail's side: the usual, the most
 #: Raised whenever the same file would give another row or another material.
 REVISION = 1
 #: The program whose results a record holds: another version's are made again, as nobody knows

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -14,13 +13,19 @@ from relgloss_view.base.reading import printable
 from relgloss_view.catalogue.query.found import Found, Hit
 from relgloss_view.catalogue.query.terms import GlossRatio
 from relgloss_view.catalogue.query.vocabulary import label_of
-from relgloss_view.picture.output.contact_sheet import INK_GRAY, PAPER_GRAY, contact_sheet
+from relgloss_view.catalogue.thumbnail import opened_thumbnail
+from relgloss_view.picture.output.contact_sheet import (
+    INK_GRAY,
+    PAPER_GRAY,
+    contact_sheet,
+    gap_px,
+    text_px,
+)
 from relgloss_view.picture.output.lettering import Lettering
 
 MOST = 400  #: pictures on a sheet
 LEAST_COLUMNS, COLUMNS = 4, 8  #: a title has room above four places
 WIDE = 1.5  #: width of a hit's place over its picture's, so that names have room
-TEXT_SHARE = 14  #: as contact_sheet: a place is so many letters' heights wide
 DOTS = "..."
 
 
@@ -39,8 +44,8 @@ def hits_sheet(found: Found, thumbnails: Mapping[str, bytes], size_px: int) -> B
         pictures.append(np.full_like(pictures[0], PAPER_GRAY))
         captions.append("")
     width = pictures[0].shape[1]
-    letters = Lettering(max(11, min(18, width // TEXT_SHARE)))
-    room = across * (width + max(8, width // 24))
+    letters = Lettering(text_px(width))
+    room = across * (width + gap_px(width))
     title = f"{len(hits)} of {found.total} hits: {printable(found.query.text, 200) or 'all'}"
     return contact_sheet(
         _rows(pictures, across),
@@ -55,19 +60,19 @@ def _rows(values: Sequence[Any], across: int) -> list[list[Any]]:
 
 
 def _place(hit: Hit | None, png: bytes | None, size_px: int) -> Bytes:
-    """A hit's picture in the middle of its place, its name below; without a hit that is said."""
+    """A hit's picture in the middle of its place, its name below; words where there is none."""
     from PIL import Image, ImageDraw
 
     width = round(WIDE * size_px)
-    letters = Lettering(max(11, min(18, width // TEXT_SHARE)))
+    letters = Lettering(text_px(width))
     line = round(1.5 * letters.size)
     place = Image.new("RGB", (width, size_px + line), (PAPER_GRAY,) * 3)
-    if png is not None:
-        with Image.open(io.BytesIO(png), formats=("PNG",)) as picture:
-            place.paste(picture.convert("RGB"), ((width - picture.width) // 2, 0))
+    picture = opened_thumbnail(png)
+    if picture is not None:
+        place.paste(picture, ((width - picture.width) // 2, 0))
     pen = ImageDraw.Draw(place)
     ink = (INK_GRAY,) * 3
-    if png is None:
+    if picture is None:
         words = "no hits" if hit is None else "no picture"
         letters.draw(pen, (width / 2, size_px / 2), words, ink, "mm")
     if hit is not None:

@@ -22,7 +22,7 @@ from relgloss_view.base.writing import whole_file
 from relgloss_view.catalogue.columns import BYTES, COLUMNS, FLAG, NAMES, NUMBER, TEXT, WHOLE, Column
 from relgloss_view.catalogue.store import faults_of
 
-NAME = "catalogue.parquet"
+VERSION = 1  #: of the table
 KEY = b"relgloss.catalogue"  #: of the JSON object in the file's metadata
 ROWS = 200  #: of a row group, which is what the writer holds in memory
 EXPECTED = "the table of a catalogue (Parquet, from `relgloss catalogue build`)"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -50,6 +51,7 @@ class Tree:
     entries: tuple[Entry, ...]
     passed_over: int
     faults: tuple[str, ...] = ()  #: of folders that can't be read
+    doubtful: tuple[str, ...] = ()  #: files passed over though they are named as tables are
 
 
 def is_catalogue(folder: str | os.PathLike[str]) -> bool:
@@ -73,7 +75,7 @@ def scan(root: str | os.PathLike[str], seen: Callable[[int], object] = bool) -> 
         raise InputError(f"{named(os.fspath(root))}: is no folder; give a folder of tables")
     entries: list[Entry] = []
     faults: list[str] = []
-    passed_over = 0
+    passed_over, doubtful = 0, list[str]()
     for number, found in enumerate(_files(top, faults)):
         checkpoint()
         if number >= MOST_FILES:
@@ -85,9 +87,12 @@ def scan(root: str | os.PathLike[str], seen: Callable[[int], object] = bool) -> 
         entry = _entry(top, found)
         if entry is None:
             passed_over += 1
+            if found.lower().endswith(_TABLES) and len(doubtful) < MOST_DOUBTFUL:
+                doubtful.append(_path_in(top, found))
         else:
             entries.append(entry)
-    return Tree(tuple(sorted(entries, key=lambda entry: entry.path)), passed_over, tuple(faults))
+    entries.sort(key=lambda entry: entry.path)
+    return Tree(tuple(entries), passed_over, tuple(faults), tuple(sorted(doubtful)))
 
 
 def _files(top: str, faults: list[str]) -> Iterator[str]:
@@ -109,7 +114,8 @@ def _files(top: str, faults: list[str]) -> Iterator[str]:
         for one in found:
             if one.name.startswith("."):
                 continue
-            if one.is_dir():
+            kind = _kind_of_entry(one)
+            if kind == "folder":
                 if one.is_symlink() and _is_within(top, os.path.realpath(one.path)):
                     continue  # it is in the tree under its own name
                 if _identity(one.path) in entered or depth + 1 >= MOST_DEPTH:
@@ -117,9 +123,17 @@ def _files(top: str, faults: list[str]) -> Iterator[str]:
                 if not is_catalogue(one.path):
                     entered.add(_identity(one.path))
                     folders.append((one.path, depth + 1))
-            elif one.is_file():
+            elif kind == "file":
                 yield one.path
         waiting.extend(reversed(folders))
+
+
+def _kind_of_entry(one: os.DirEntry[str]) -> str:
+    """folder, file, or nothing: a pipe, a device, a link that leads nowhere or in a circle."""
+    try:
+        return "folder" if one.is_dir() else "file" if one.is_file() else ""
+    except OSError:
+        return ""
 
 
 def _identity(folder: str) -> tuple[int, int]:
@@ -136,7 +150,7 @@ def _is_within(top: str, path: str) -> bool:
 
 def _entry(top: str, file: str) -> Entry | None:
     """The entry of a file; None where it is neither table nor material nor proof."""
-    path = text_of(os.path.relpath(file, top).replace(os.sep, "/"))
+    path = _path_in(top, file)
     try:
         size = os.stat(file).st_size
         with open_regular(file, EXPECTED) as opened:
@@ -150,15 +164,20 @@ def _entry(top: str, file: str) -> Entry | None:
     kind = kind_of(file, head, size)
     if kind is None:
         return None
-    digest = hashlib.sha256()
+    digest, size = hashlib.sha256(), 0
     try:
         with open_regular(file, EXPECTED) as opened:
             while block := opened.read(READ_AT_ONCE):
                 checkpoint()
                 digest.update(block)
+                size += len(block)
     except (InputError, OSError) as error:
         return Entry(file, path, kind, size, fault=f"can't be read ({_reason(str(error), file)})")
     return Entry(file, path, kind, size, digest.hexdigest())
+
+
+def _path_in(top: str, file: str) -> str:
+    return text_of(os.path.relpath(file, top).replace(os.sep, "/"))
 
 
 def kind_of(file: str, head: bytes, size: int) -> str | None:
@@ -179,8 +198,16 @@ def _names_format(file: str) -> bool:
     return read_mark(file).get("format") == MATERIAL_FORMAT
 
 
+#: Names of tables: one that is passed over may be a table with headings that nobody knows.
+_TABLES = (
+    ".csv", ".tsv", ".txt", ".dat", ".xlsx", ".xls", ".ods", ".bsdf", ".binary", ".cxf", ".astm",
+)  # fmt: skip
+MOST_DOUBTFUL = 1000
 #: Files that nobody can read count where their names promise something.
 _DATA = (".csv", ".txt", ".tsv", ".json", ".html", ".bsdf", ".binary", ".xml", ".cxf", ".astm")
+
+
+_SHOWN = re.compile(r"\\x.*~[0-9a-f]{8}\Z", re.DOTALL)  #: what text_of makes of a name
 
 
 def _kind_by_name(file: str) -> str:
@@ -195,13 +222,18 @@ def _reason(text: str, file: str) -> str:
 def text_of(path: str) -> str:
     r"""A path as text that any file can hold; a name that is no UTF-8 gets a digest behind it.
 
+    So does a name that looks as if it had got one: two paths never have the same text.
+
     >>> text_of("lot/paper.csv"), text_of("a\udcff.csv")
     ('lot/paper.csv', 'a\\xff.csv~9ee97a19')
     """
     try:
         path.encode("utf-8")
     except UnicodeEncodeError:
-        data = os.fsencode(path)
-        shown = data.decode("utf-8", "backslashreplace")
-        return f"{shown}~{hashlib.sha256(data).hexdigest()[:8]}"
-    return path
+        shown = os.fsencode(path).decode("utf-8", "backslashreplace")
+        return f"{shown}~{_digest_of(path)}"
+    return f"{path}~{_digest_of(path)}" if _SHOWN.search(path) else path
+
+
+def _digest_of(path: str) -> str:
+    return hashlib.sha256(os.fsencode(path)).hexdigest()[:8]

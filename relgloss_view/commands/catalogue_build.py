@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress
+from relgloss_view.commands.fit_options import add_fit_options, fit_options
 from relgloss_view.commands.scene_options import SAMPLE_METAVAR
 from relgloss_view.commands.table_options import add_table_options, table_options
 from relgloss_view.commands.table_places import print_fault
@@ -22,7 +23,6 @@ MOST_FAULTS = 20  #: lines on the terminal; the table has all
 
 def add(commands: Any) -> None:
     """Declare the command."""
-    from relgloss_view.fitting.fit import MODELS
     from relgloss_view.gloss.samples import DEFAULT_GLOSS, GLOSSES
 
     parser = commands.add_parser(
@@ -56,18 +56,7 @@ def add(commands: Any) -> None:
         default=DEFAULT_GLOSS,
         help=f"Gloss of the materials whose ratio is kept (default {DEFAULT_GLOSS})",
     )
-    parser.add_argument(
-        "--model",
-        choices=MODELS,
-        default="auto",
-        help="Model to fit, or auto: the smallest that is enough (default auto)",
-    )
-    parser.add_argument(
-        "--refractive-index",
-        metavar="N",
-        type=float,
-        help="Refractive index of the lobes, held fixed in every fit",
-    )
+    add_fit_options(parser)
     add_table_options(parser)
     parser.add_argument(
         "--workers",
@@ -103,14 +92,7 @@ def run(args: argparse.Namespace) -> int:
     """Build, print the report; 1 where a file has failed."""
     from relgloss_view.catalogue.build import GO_ON, BuildOptions, build, words_of
     from relgloss_view.catalogue.engine import EngineOptions
-    from relgloss_view.material.material import INDEX_RANGE
 
-    index = args.refractive_index
-    if index is not None and not INDEX_RANGE[0] < index <= INDEX_RANGE[1]:
-        raise InputError(
-            f"--refractive-index {index:g}: expected above {INDEX_RANGE[0]:g}, at most "
-            f"{INDEX_RANGE[1]:g}"
-        )
     recipe = recipe_from(args)
     engine = EngineOptions(
         args.workers,
@@ -120,7 +102,11 @@ def run(args: argparse.Namespace) -> int:
     )
     with Progress("catalogue") as progress:
         options = BuildOptions(engine, args.keep_going, args.retry, progress)
-        report = build(args.folder, args.output, recipe, options)
+        try:
+            report = build(args.folder, args.output, recipe, options)
+        except KeyboardInterrupt:
+            print("what is done is kept; the same command goes on from there", file=sys.stderr)
+            raise
     if args.json:
         print(json.dumps({"output": args.output, **report.as_json()}))
     else:
@@ -156,9 +142,8 @@ def recipe_from(args: argparse.Namespace) -> Recipe:
             "or a material file"
         )
     name = args.reference.partition("=")[0]
-    fit: dict[str, Any] = {} if args.model == "auto" else {"model": args.model}
-    if args.refractive_index is not None:
-        fit["refractive_index"] = args.refractive_index
+    # Options at their defaults are left out, so that a new one fits nothing again.
+    fit = {key: value for key, value in fit_options(args).items() if value not in (None, "auto")}
     with one_thread():
         c = absolute_c(sample.look, sample.material)
     full = sample.look.c is None and sample.look.setting.c_fraction == FULL_SHARE

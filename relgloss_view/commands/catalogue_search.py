@@ -76,8 +76,8 @@ def run(args: argparse.Namespace) -> int:
     from relgloss_view.catalogue.query.search import search
 
     _check(args)
-    query = parse(" ".join(args.query))
     catalogue = Catalogue.open(args.catalogue)
+    query = parse(" ".join(args.query))
     with ExitStack() as stack:
         progress = stack.enter_context(Progress("search"))
         renderer = _renderer(args, query, stack)
@@ -98,7 +98,8 @@ def run(args: argparse.Namespace) -> int:
         content["proofs"] = {one.path: one.file for one in proofs}
         print(json.dumps(content, allow_nan=False))
         return 0
-    print(listing(found))
+    most = LIMIT if args.page is not None else None  # the page has the others
+    print(listing(found, most))
     _print_files(args, proofs)
     return 0
 

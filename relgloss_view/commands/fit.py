@@ -12,13 +12,13 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress
 from relgloss_view.base.writing import check_writable
+from relgloss_view.commands.fit_options import add_fit_options, fit_options
 from relgloss_view.commands.table_options import add_table_options, table_options
 from relgloss_view.commands.table_places import gather
 
 
 def add(commands: Any) -> None:
     """Declare the command."""
-    from relgloss_view.fitting.fit import MODELS
     from relgloss_view.measure.readers.built_in import built_in_tables
 
     parser = commands.add_parser(
@@ -55,23 +55,11 @@ def add(commands: Any) -> None:
         help="Show what the tables hold and fit nothing, as `relgloss measure` does; --report "
         "then draws that",
     )
-    parser.add_argument(
-        "--model",
-        choices=MODELS,
-        default="auto",
-        help="Model to fit, or auto: the smallest that is enough (default auto)",
-    )
+    add_fit_options(parser)
     parser.add_argument(
         "--seed", metavar="N", type=int, default=0, help="Seed of the cross-validation (default 0)"
     )
     add_table_options(parser)
-    parser.add_argument(
-        "--refractive-index",
-        metavar="N",
-        type=float,
-        help="Refractive index of the lobes, held fixed in the fit (default: 1.5, fitted where the "
-        "samples show another)",
-    )
     parser.add_argument(
         "--aperture-sd-deg",
         metavar="DEG",
@@ -86,25 +74,18 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read, fit, write, and print the evidence; with several tables, a summary."""
     from relgloss_view.commands import fit_many, measure
-    from relgloss_view.material.material import INDEX_RANGE
 
     if args.dry_run:
         return measure.run(args)
     if args.output is None:
         args.wrong_usage("the following arguments are required: -o/--output")
-    index = args.refractive_index
-    if index is not None and not INDEX_RANGE[0] < index <= INDEX_RANGE[1]:
-        raise InputError(
-            f"--refractive-index {index:g}: expected above {INDEX_RANGE[0]:g}, at "
-            f"most {INDEX_RANGE[1]:g}"
-        )
+    of_fit = fit_options(args)
     if args.aperture_sd_deg and not all(0.0 <= a <= 10.0 for a in args.aperture_sd_deg):
         raise InputError("--aperture-sd-deg: expected two angles of 0 to 10 degrees")
     if args.seed < 0:
         raise InputError(f"--seed {args.seed}: expected a whole number of at least 0")
     options = {
-        "model": args.model,
-        "refractive_index": index,
+        **of_fit,
         "aperture_sd_deg": tuple(args.aperture_sd_deg) if args.aperture_sd_deg else None,
         "seed": args.seed,
     }

@@ -21,11 +21,12 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.version import PROGRAM
 from relgloss_view.base.writing import whole_file
-from relgloss_view.exchange.channels import LAMP, TableSurface, in_xyz, metal_notes
-from relgloss_view.exchange.formats import Exported, ExportOptions
+from relgloss_view.exchange.channels import TableSurface, in_xyz, metal_notes
+from relgloss_view.exchange.formats import KLEMS, TREE, Exported, ExportOptions
 from relgloss_view.exchange.grow import Grown, collapsed, grow
 from relgloss_view.exchange.judge import compare
 from relgloss_view.exchange.klems_out import Patches
+from relgloss_view.exchange.loss import LAMP
 from relgloss_view.material.material import Material
 from relgloss_view.material.spectra import illuminant
 from relgloss_view.measure.readers.shirley_chiu import coordinates
@@ -33,7 +34,6 @@ from relgloss_view.measure.readers.tensor_tree import RADIANCE_WHITE, Tree, uv_o
 from relgloss_view.measure.readers.tristimulus import SRGB_FROM_XYZ
 from relgloss_view.pack.pack import Pack
 
-TREE, KLEMS = "tensor-tree", "klems"
 DEEPEST_LEVEL = 11  #: a smallest cell of 1/1024 in the sine of an angle
 MOST_LEAVES = 2_000_000  #: of a tree; about 12 MB
 #: Chromaticities closer than this are one: a twentieth of what an eye tells apart in u'v' is 2e-4,
@@ -63,8 +63,7 @@ _TAIL = "</Layer>\n</Optical>\n</WindowElement>\n"
 
 def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported:
     """Write a material; see exchange.formats.Writer."""
-    if isinstance(what, Pack):
-        raise InputError(f"{path}: a BSDF file holds one material; give a material")
+    assert isinstance(what, Material)  # Format.write refuses packs
     basis = options.basis or TREE
     if basis == TREE:
         blocks, surface, lines = _trees(what)

@@ -12,13 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.exchange.loss import Surface
+from relgloss_view.exchange.loss import LAMP, Surface
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Material
 from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.measure.bands import RGB
-
-LAMP = "D65"
 
 
 @dataclass(frozen=True)
@@ -61,12 +59,12 @@ def in_xyz(material: Material) -> Folded:
 
 
 def metal_notes(material: Material) -> tuple[str, ...]:
-    """How a table of a metal comes back: a fit finds the metal where it is asked to."""
+    """How a table of a metal comes back: a fit has to find the metal again."""
     if not any(lobe.is_metal for lobe in material.visible_lobes()):
         return ()
     return (
-        "to read it back: relgloss fit --model metal, as a table does not state it; "
-        "compare the gloss, because that model has one lobe",
+        "a table does not state that this is a metal: relgloss fit finds it by its brightness; "
+        "compare the gloss of both",
     )
 
 

@@ -16,6 +16,7 @@ from relgloss_view.base.csv_files import read_csv
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.version import PROGRAM
+from relgloss_view.base.visible import visible
 from relgloss_view.base.writing import whole_file
 from relgloss_view.exchange.channels import metal_notes
 from relgloss_view.exchange.formats import Exported, ExportOptions
@@ -46,9 +47,8 @@ class Grid(NamedTuple):
 
 def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported:
     """Write a table of a material; see exchange.formats.Writer."""
-    if isinstance(what, Pack):
-        raise InputError(f"{path}: a table holds one material; give a material")
-    grid = grid_of(what, options.grid or GCMS, options.step_deg)
+    assert isinstance(what, Material)  # Format.write refuses packs
+    grid = grid_of(what, options.grid or GCMS)
     diffuse, specular = what.evaluate(grid.to_lamp, grid.to_receiver)
     values = np.pi * (diffuse + specular)
     notes = (*_notes(what, grid), *metal_notes(what))
@@ -60,7 +60,8 @@ def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported
     }
     if grid.columns == tuple(gcms.COLUMNS):
         facts["gamma_s_deg"] = f"{GAMMA_S_DEG:g}"
-    lines = [f"# {key}: {' '.join(value.split())}" for key, value in facts.items()]
+    # A control character in a name would make the table no text, also for our own reader.
+    lines = [f"# {key}: {visible(' '.join(value.split()))}" for key, value in facts.items()]
     lines += [f"# {note}" for note in notes]
     heads = (
         [f"{nm:g}" for nm in what.bands.wavelengths_nm]
@@ -96,7 +97,7 @@ def _notes(material: Material, grid: Grid) -> tuple[str, ...]:
     )
 
 
-def grid_of(material: Material, grid: str, step_deg: float | None) -> Grid:
+def grid_of(material: Material, grid: str) -> Grid:
     """The directions that a user asks for. Raises InputError."""
     kind, colon, step = grid.partition(":")
     if grid == GCMS:
@@ -109,11 +110,11 @@ def grid_of(material: Material, grid: str, step_deg: float | None) -> Grid:
             return _in_plane(_step(step), ())
         offsets = {lobe.s_deg: BESIDE_SD for lobe in material.visible_lobes()}
         beside = [2.0 * s * k for s, each in offsets.items() for k in each]
-        return _in_plane(DEFAULT_STEP_DEG if step_deg is None else _step(step_deg), tuple(beside))
+        return _in_plane(DEFAULT_STEP_DEG, tuple(beside))
     return _own(Path(grid))
 
 
-def _step(value: str | float) -> float:
+def _step(value: str) -> float:
     try:
         step = float(value)
     except ValueError:
@@ -121,7 +122,7 @@ def _step(value: str | float) -> float:
     low, high = STEPS_DEG
     if not low <= step <= high:
         raise InputError(
-            f"--grid in-plane:{printable(str(value), 20)}: expected a step from {low:g} to "
+            f"--grid in-plane:{printable(value, 20)}: expected a step from {low:g} to "
             f"{high:g} degrees, as in in-plane:5"
         )
     return step

@@ -18,6 +18,9 @@ from relgloss_view.material.material import Material
 from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.shape import Shape
 
+MOST_PX = 4096  #: the longest side of a texture where nobody asks for another
+#: Directions of BSDF XML: of Radiance, and of WINDOW.
+BASES = TREE, KLEMS = "tensor-tree", "klems"
 HEAD_BYTES = 4096  #: by which a file's format is recognised
 
 
@@ -25,17 +28,17 @@ HEAD_BYTES = 4096  #: by which a file's format is recognised
 class ExportOptions:
     """What a user asks for beside the format; a writer ignores what it has no use for.
 
-    step_deg: of grids and tables, degrees; None for the format's own. shape: the form of a plain
-    material, where the format holds one. most_px: the longest side of textures, pixels. grid: of
-    CSV tables, `gcms`, `in-plane`, `in-plane:STEP` or a file of directions. basis: of BSDF XML,
-    `tensor-tree` or `klems`.
+    shape: the form of a plain material, where the format holds one. most_px: the longest side of
+    textures, pixels. grid: of CSV tables, `gcms`, `in-plane`, `in-plane:STEP` (degrees) or a file
+    of directions. basis: of BSDF XML, one of BASES; None for the first. bare: without the material
+    itself, its gloss and the losses: a file for somebody else would hold measured numbers.
     """
 
-    step_deg: float | None = None
     shape: Shape | None = None
-    most_px: int = 4096
+    most_px: int = MOST_PX
     grid: str | None = None
     basis: str | None = None
+    bare: bool = False
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,7 @@ class Format(NamedTuple):
     name: str  #: for people
     writer: str  #: 'module:function' below relgloss_view.exchange
     takes_packs: bool = False
+    holds_own: bool = False  #: whether its files hold the material itself, unless they are bare
 
     def write(self, what: Material | Pack, path: Path, options: ExportOptions) -> Exported:
         """Write a material or a pack; InputError where the format takes no packs."""
@@ -74,6 +78,11 @@ class Format(NamedTuple):
             raise InputError(
                 f"{named(path)}: {self.name} holds one material; give a material or a sample, "
                 "not a pack"
+            )
+        if options.bare and not self.holds_own:
+            raise InputError(
+                f"{named(path)}: {self.name} is a table of the material's numbers and can't be "
+                "written --bare; choose .glb or .mtlx"
             )
         write: Writer = _function(self.writer)
         return write(what, path, options)
@@ -101,8 +110,10 @@ def _is_gltf(head: bytes) -> bool:
 
 #: What is written, by the ending of the file's name.
 FORMATS: dict[str, Format] = {
-    ".mtlx": Format("MaterialX (OpenPBR surface)", "materialx:write", takes_packs=True),
-    ".glb": Format("glTF 2.0", "gltf:write", takes_packs=True),
+    ".mtlx": Format(
+        "MaterialX (OpenPBR surface)", "materialx:write", takes_packs=True, holds_own=True
+    ),
+    ".glb": Format("glTF 2.0", "gltf:write", takes_packs=True, holds_own=True),
     ".binary": Format("MERL binary", "merl:write"),
     ".csv": Format("CSV of directions and values", "csv_out:write"),
     ".xml": Format("BSDF XML (Radiance, WINDOW)", "bsdf_xml:write"),

@@ -15,13 +15,14 @@ import numpy as np
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
 from relgloss_view.base.writing import whole_file
-from relgloss_view.exchange.formats import Exported, ExportOptions
-from relgloss_view.exchange.gltf_brdf import GltfSurface
+from relgloss_view.exchange.formats import MOST_PX, Exported, ExportOptions
+from relgloss_view.exchange.gltf_brdf import COAT, SPECULAR, GltfSurface
 from relgloss_view.exchange.gltf_container import ARRAY, ELEMENTS, Builder
 from relgloss_view.exchange.gltf_forms import triangles_of
 from relgloss_view.exchange.gltf_maps import Maps, image_file, maps_of, texture_size
 from relgloss_view.exchange.gltf_refit import refit_gltf
-from relgloss_view.exchange.own import own_numbers
+from relgloss_view.exchange.loss import LAMP
+from relgloss_view.exchange.own import EXTRAS, own_numbers
 from relgloss_view.exchange.refit import Refit
 from relgloss_view.material.material import Material
 from relgloss_view.pack.label import Label, label_of
@@ -31,9 +32,6 @@ from relgloss_view.pack.pack import Pack
 from relgloss_view.pack.plain_finish import plain_finishes
 from relgloss_view.pack.shape import Shape
 
-OWN = "relgloss"  #: the entry of `extras` that holds our own numbers
-LAMP = "D65"
-MOST_PX = 4096
 PACK_LINES = (
     "the colours of the artwork are its sRGB values, as colour management has them (D50 to D65 by "
     "Bradford's transform); those of a stock or a foil are under D65",
@@ -44,41 +42,40 @@ MATERIAL_LINES = ("colours are under D65", "surface grain (sigma_N) is not carri
 
 def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported:
     """Write a .glb of a pack, or of a material on a form. See formats.Writer."""
-    data, exported = glb(
-        what,
-        shape=getattr(options, "shape", None),
-        most_px=getattr(options, "most_px", None) or MOST_PX,
-    )
+    data, exported = glb(what, shape=options.shape, most_px=options.most_px, bare=options.bare)
     with whole_file(path) as temporary:
         temporary.write_bytes(data)
     return exported
 
 
 def glb(
-    what: Material | Pack, *, shape: Shape | None = None, most_px: int = MOST_PX
+    what: Material | Pack, *, shape: Shape | None = None, most_px: int = MOST_PX, bare: bool = False
 ) -> tuple[bytes, Exported]:
     """The bytes of a .glb, and what they carry and lose.
 
     shape: the form of a material; None for the paper's cylinder. most_px: longest side of a
-    texture. Raises InputError where a mask or a mesh file can't be read, or memory is short.
+    texture. bare: without `extras`, which hold our own numbers. Raises InputError where a mask or
+    a mesh file can't be read, or memory is short.
     """
     if isinstance(what, Pack):
-        return _pack(what, most_px)
-    return _material(what, shape or Shape())
+        return _pack(what, most_px, bare)
+    return _material(what, shape or Shape(), bare)
 
 
-def _material(material: Material, shape: Shape) -> tuple[bytes, Exported]:
+def _material(material: Material, shape: Shape, bare: bool) -> tuple[bytes, Exported]:
     refit = refit_gltf(material)
     builder = Builder()
     entry = _surface(refit).as_json()
     own: dict[str, Any] = {"loss": refit.loss.as_json(), "lines": list(refit.lines)}
     own |= own_numbers(material, entry)
     builder.uses(entry.get("extensions", {}))
-    number = builder.add("materials", {"name": material.name, **entry, "extras": {OWN: own}})
+    extras = {} if bare else {"extras": {EXTRAS: own}}
+    number = builder.add("materials", {"name": material.name, **entry, **extras})
     mesh = triangles_of(shape)
     _put_mesh(builder, mesh, shape.kind, [number] * len(mesh.parts), [True] * len(mesh.parts))
     lines = (*refit.lines, *MATERIAL_LINES)
-    data = builder.file_bytes({OWN: {"lines": list(lines), "losses": {material.name: own["loss"]}}})
+    of_file = {EXTRAS: {"lines": list(lines), "losses": {material.name: own["loss"]}}}
+    data = builder.file_bytes({} if bare else of_file)
     return data, Exported(lines, {material.name: refit.loss})
 
 
@@ -98,7 +95,7 @@ class _Pictures:
         return {"index": self.numbers[file]}
 
 
-def _pack(pack: Pack, most_px: int) -> tuple[bytes, Exported]:
+def _pack(pack: Pack, most_px: int, bare: bool) -> tuple[bytes, Exported]:
     label, layers = label_of(pack.shape), layers_of(pack)
     refits = [refit_gltf(plain.material, keeps_body=True) for plain in plain_finishes(pack, LAMP)]
     surfaces = [_surface(refit) for refit in refits]
@@ -117,7 +114,8 @@ def _pack(pack: Pack, most_px: int) -> tuple[bytes, Exported]:
         maps, entry = made[key]
         named = {"finishes": [pack.finishes[k].name for k in maps.finishes]}
         builder.uses(entry.get("extensions", {}))
-        numbers.append(builder.add("materials", {"name": name, **entry, "extras": {OWN: named}}))
+        of_part = {} if bare else {"extras": {EXTRAS: named}}
+        numbers.append(builder.add("materials", {"name": name, **entry, **of_part}))
         textured.append(_has_textures(maps))
     mesh = triangles_of(pack.shape)
     _put_mesh(builder, mesh, pack.name, numbers, textured)
@@ -136,7 +134,7 @@ def _pack(pack: Pack, most_px: int) -> tuple[bytes, Exported]:
         "losses": {name: loss.as_json() for name, loss in losses.items()},
         "finishes": [_finish(pack, k, surfaces[k], refits[k]) for k in sorted(lying)],
     }
-    return builder.file_bytes({OWN: extras}), Exported(tuple(lines), losses)
+    return builder.file_bytes({} if bare else {EXTRAS: extras}), Exported(tuple(lines), losses)
 
 
 def _finish(pack: Pack, number: int, surface: GltfSurface, refit: Refit) -> dict[str, Any]:
@@ -177,7 +175,7 @@ def _entry(pictures: _Pictures, maps: Maps) -> dict[str, Any]:
             tint = np.full((*values["specular"].shape, 3), 255, dtype=np.uint8)
         weight = values.get("specular", np.full(tint.shape[:2], 255, dtype=np.uint8))
         named = pictures.add(np.concatenate([tint, weight[..., None]], axis=-1), "specular")
-        specular = extensions.setdefault("KHR_materials_specular", {})
+        specular = extensions.setdefault(SPECULAR, {})
         if "specular" in values:
             specular["specularTexture"] = named
         if maps.tint is not None:
@@ -186,7 +184,7 @@ def _entry(pictures: _Pictures, maps: Maps) -> dict[str, Any]:
         named = pictures.add(
             _channels(values, ("clearcoat", "clearcoat_roughness", None)), "clear coat"
         )
-        coat = extensions["KHR_materials_clearcoat"]
+        coat = extensions[COAT]
         if "clearcoat" in values:
             coat["clearcoatTexture"] = named
         if "clearcoat_roughness" in values:

@@ -20,6 +20,8 @@ from relgloss_view.exchange import ggx
 Colour = tuple[float, float, float]
 WHITE: Colour = (1.0, 1.0, 1.0)
 MODEL = "glTF 2.0"
+#: Extensions that the surface holds.
+SPECULAR, IOR, COAT = "KHR_materials_specular", "KHR_materials_ior", "KHR_materials_clearcoat"
 COAT_F0 = 0.04  #: of KHR_materials_clearcoat, whose index is 1.5
 #: In files: no more digits than a float32 has.
 DIGITS = 6
@@ -90,14 +92,14 @@ class GltfSurface:
         if self.specular_color != WHITE:
             specular["specularColorFactor"] = _rounded(self.specular_color)
         if self.clearcoat > 0.0:
-            extensions["KHR_materials_clearcoat"] = {
+            extensions[COAT] = {
                 "clearcoatFactor": round(self.clearcoat, DIGITS),
                 "clearcoatRoughnessFactor": round(self.clearcoat_roughness, DIGITS),
             }
         if self.ior != 1.5:
-            extensions["KHR_materials_ior"] = {"ior": round(self.ior, DIGITS)}
+            extensions[IOR] = {"ior": round(self.ior, DIGITS)}
         if specular:
-            extensions["KHR_materials_specular"] = specular
+            extensions[SPECULAR] = specular
         made: dict[str, Any] = {"pbrMetallicRoughness": core}
         if extensions:
             made["extensions"] = extensions

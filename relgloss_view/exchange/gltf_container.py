@@ -85,9 +85,10 @@ class Builder:
         self._extensions.update(names)
 
     def file_bytes(self, extras: dict[str, Any]) -> bytes:
-        """The whole file; its only scene holds all nodes. extras: of the asset."""
+        """The whole file; its only scene holds all nodes. extras: of the asset, if any."""
         content: dict[str, Any] = {
-            "asset": {"version": "2.0", "generator": PROGRAM, "extras": extras},
+            "asset": {"version": "2.0", "generator": PROGRAM}
+            | ({"extras": extras} if extras else {}),
             "scene": 0,
             "scenes": [{"nodes": list(range(len(self._json.get("nodes", []))))}],
         }

@@ -19,6 +19,8 @@ from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.room import Need, check_room
 from relgloss_view.exchange.gltf_brdf import GltfSurface
 from relgloss_view.exchange.refit import linear_rgb
+from relgloss_view.material.cielab import srgb_decoded, srgb_encoded
+from relgloss_view.material.material import Material
 from relgloss_view.pack.label import Label
 from relgloss_view.pack.layers import Layers, layers_of
 from relgloss_view.pack.pack import Pack
@@ -215,7 +217,7 @@ class _Texels:
         return values
 
 
-def own_colour(material: Any) -> Array:
+def own_colour(material: Material) -> Array:
     """Linear sRGB (3,) of a material's albedo under D65."""
     return linear_rgb(np.asarray(material.diffuse.albedo), material)
 
@@ -254,23 +256,17 @@ def _rgb_from_paint() -> Array:
 
 @lru_cache(maxsize=1)
 def _curve() -> Bytes:
-    linear = np.arange(65536) / 65535.0
-    value = np.where(
-        linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055
-    )
-    return np.rint(255.0 * value).astype(np.uint8)
+    return np.rint(255.0 * srgb_encoded(np.arange(65536) / 65535.0)).astype(np.uint8)
 
 
 def encoded(linear: Array) -> Bytes:
-    """sRGB of 8 bits (IEC 61966-2-1:1999) of linear values 0 to 1; what lies outside is cut."""
+    """sRGB of 8 bits of linear values 0 to 1; what lies outside is cut."""
     return _curve()[np.rint(65535.0 * np.clip(linear, 0.0, 1.0)).astype(np.uint16)]
 
 
 def linear_of(value: Bytes) -> tuple[float, float, float]:
     """Linear values of an sRGB colour of 8 bits (3,)."""
-    share = value / 255.0
-    linear = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
-    red, green, blue = (float(v) for v in linear)
+    red, green, blue = (float(v) for v in srgb_decoded(value / 255.0))
     return red, green, blue
 
 

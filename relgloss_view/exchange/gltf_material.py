@@ -11,11 +11,10 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
-from relgloss_view.exchange.gltf_brdf import Colour, GltfSurface
+from relgloss_view.exchange.gltf_brdf import COAT, IOR, SPECULAR, Colour, GltfSurface
 from relgloss_view.exchange.gltf_maps import linear_of
 from relgloss_view.pack.forms.gltf_document import Document
 
-SPECULAR, IOR, COAT = "KHR_materials_specular", "KHR_materials_ior", "KHR_materials_clearcoat"
 EXTENSIONS = (SPECULAR, IOR, COAT)  #: that the surface holds
 GLOSSINESS, UNLIT = "KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit"
 MOST_PIXELS = 16384 * 16384  #: of a texture

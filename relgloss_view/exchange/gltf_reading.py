@@ -16,7 +16,7 @@ from relgloss_view.base.reading import decoding, named, printable, read_bytes
 from relgloss_view.exchange import ggx
 from relgloss_view.exchange.gltf_brdf import MODEL, GltfSurface
 from relgloss_view.exchange.gltf_material import EXTENSIONS, GltfMaterial
-from relgloss_view.exchange.own import own_material
+from relgloss_view.exchange.own import EXTRAS, own_material
 from relgloss_view.exchange.refit_lobes import refit_lobes
 from relgloss_view.material.material import Material
 from relgloss_view.pack.forms.gltf_document import (
@@ -30,7 +30,6 @@ EXPECTED = "a glTF 2.0 file (.glb or .gltf)"
 MOST_BYTES = 100 * 1024 * 1024
 MOST_MATERIALS = 10_000
 LISTED = 20  #: names in a message
-OWN = "relgloss"
 
 
 def read_gltf(path: Path, part: str | None) -> Material:
@@ -63,7 +62,7 @@ class _File:
             str(entry.get("name") or f"material {k}") for k, entry in enumerate(self.entries)
         ]
         own = _object(_object(document.content, "asset"), "extras")
-        finishes = _object(own, OWN).get("finishes", [])
+        finishes = _object(own, EXTRAS).get("finishes", [])
         self.finishes = {
             str(one["name"]): one
             for one in (finishes if isinstance(finishes, list) else [])[:MOST_MATERIALS]
@@ -107,7 +106,7 @@ class _File:
 
     def _read(self, number: int) -> Material:
         entry = self.entries[number]
-        own = _object(_object(entry, "extras"), OWN)
+        own = _object(_object(entry, "extras"), EXTRAS)
         stated = {key: value for key, value in entry.items() if key not in ("name", "extras")}
         material = own_material(own.get("material"), own.get("digest"), stated)
         if material is not None:

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints
-from relgloss_view.exchange.channels import LAMP, TableSurface
+from relgloss_view.exchange.channels import TableSurface
+from relgloss_view.exchange.loss import LAMP
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Material
 from relgloss_view.material.spectra import illuminant

@@ -7,6 +7,8 @@ from typing import Any, Protocol
 
 from relgloss_view.base.arrays import Array
 
+#: Programs that draw RGB have a lamp that is white in sRGB; colours and losses are under it.
+LAMP = "D65"
 MOST_DE2000 = 3.0  #: in the highlight; above it a file states its loss as a warning
 #: Below it nobody tells two highlights apart: about one just noticeable difference.
 UNSEEN_DE2000 = 1.0

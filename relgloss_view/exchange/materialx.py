@@ -5,7 +5,6 @@ Version 1.39 of MaterialX, version 1.1 of OpenPBR. Colours are linear sRGB, `lin
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.sax.saxutils import quoteattr
@@ -41,7 +40,6 @@ class _Part(NamedTuple):
 
 def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported:
     """Write a material, or each finish of a pack, as OpenPBR surfaces. See formats.Writer."""
-    del options
     if isinstance(what, Pack):
         named = [(finish.name, finish.material) for finish in what.finishes]
         notes: tuple[str, ...] = (PACK_NOTE,)
@@ -51,7 +49,7 @@ def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported
     for name, material in named:
         parts.append(_Part(_identifier(name, taken), material, refit_openpbr(material)))
     with whole_file(path) as temporary:
-        temporary.write_text(_document(parts), encoding="utf-8")
+        temporary.write_text(_document(parts, options.bare), encoding="utf-8")
     lines = [f"{part.name}: {line}" for part in parts for line in part.refit.lines]
     return Exported((*lines, *notes), {part.name: part.refit.loss for part in parts})
 
@@ -64,25 +62,31 @@ def parameters_of(surface: OpenPbr) -> dict[str, Any]:
     }
 
 
-def _document(parts: list[_Part]) -> str:
+def _document(parts: list[_Part], bare: bool) -> str:
     lines = [
         '<?xml version="1.0" encoding="utf-8"?>',
         f'<materialx version="{VERSION}" colorspace="{COLOUR_SPACE}">',
     ]
     for part in parts:
-        lines += _material(part)
+        lines += _material(part, bare)
     return "\n".join([*lines, "</materialx>", ""])
 
 
-def _material(part: _Part) -> list[str]:
+def _material(part: _Part, bare: bool) -> list[str]:
     surface = part.refit.surface
     assert isinstance(surface, OpenPbr)
     parameters = parameters_of(surface)
     own = own_numbers(part.material, parameters)
     loss = part.refit.loss
-    words = f"{part.material.name}, by relgloss {__version__}; {'; '.join(part.refit.lines[:2])}"
-    if not loss.is_small:
-        words = f"WARNING: {words}"
+    words = f"{part.material.name}, by relgloss {__version__}"
+    mine = ""
+    if not bare:
+        words += f"; {'; '.join(part.refit.lines[:2])}"
+        words = words if loss.is_small else f"WARNING: {words}"
+        mine = (
+            f" {OWN_DIGEST}={quoteattr(own['digest'])} {OWN_LOSS}={quoteattr(loss.words)} "
+            f"{OWN_MATERIAL}={quoteattr(own['material'])}"
+        )
     shader = f"{part.name}_surface"
     lines = [f'  <{NODE} name="{shader}" type="surfaceshader" doc={quoteattr(words)}>']
     for name, value in parameters.items():
@@ -91,9 +95,7 @@ def _material(part: _Part) -> list[str]:
         lines.append(f'    <input name="{name}" type="{kind}" value="{text}" />')
     lines += [
         f"  </{NODE}>",
-        f'  <surfacematerial name="{part.name}" type="material" doc={quoteattr(words)} '
-        f"{OWN_DIGEST}={quoteattr(own['digest'])} {OWN_LOSS}={quoteattr(loss.words)} "
-        f"{OWN_MATERIAL}={quoteattr(own['material'])}>",
+        f'  <surfacematerial name="{part.name}" type="material" doc={quoteattr(words)}{mine}>',
         f'    <input name="surfaceshader" type="surfaceshader" nodename="{shader}" />',
         "  </surfacematerial>",
     ]
@@ -122,6 +124,3 @@ def _identifier(name: str, taken: set[str]) -> str:
         unique, count = f"{plain}_{count}", count + 1
     taken.add(unique)
     return unique
-
-
-FIELDS = {field.name: field.default for field in dataclasses.fields(OpenPbr)}

@@ -16,7 +16,6 @@ from relgloss_view.exchange import ggx
 from relgloss_view.exchange.materialx_values import Values
 from relgloss_view.exchange.openpbr import WHITE, OpenPbr
 
-ALBEDO_HIGH = 1.0
 INDEX = (1.0, 10.0)
 #: Its facets are about as wide as the narrowest lobe that is drawn here (S_DEG_DRAWN).
 LEAST_ROUGHNESS = 0.0324
@@ -60,7 +59,7 @@ def _first(values: Values, name: str, nothing: float) -> float:
     """The largest number of an input that counts where it differs from `nothing`."""
     if not values.has(name):
         return nothing
-    colour = values._checked(name, (nothing,) * 3, 3, -1e6, 1e6)
+    colour = values.numbers(name, (nothing,) * 3, 3, -1e6, 1e6)
     return max(colour, key=lambda v: abs(v - nothing))
 
 

@@ -16,7 +16,7 @@ from relgloss_view.base.reading import named, printable
 from relgloss_view.base.xml import line_of, read_xml
 from relgloss_view.exchange import materialx_models as models
 from relgloss_view.exchange.materialx import OWN_DIGEST, OWN_MATERIAL
-from relgloss_view.exchange.materialx_values import Values
+from relgloss_view.exchange.materialx_values import Values, input_of
 from relgloss_view.exchange.own import own_material
 from relgloss_view.exchange.refit_lobes import refit_lobes
 from relgloss_view.material.material import Material
@@ -50,7 +50,7 @@ def read(path: Path, part: str | None) -> Material:
     surface, not_carried = model.surface(values)
     if any(element.tag == "include" for element in root):
         not_carried = (*not_carried, INCLUDE)
-    if _input(material, "displacementshader") is not None:
+    if input_of(material, "displacementshader") is not None:
         not_carried = (*not_carried, "displacement")
     return refit_lobes(
         surface,
@@ -98,7 +98,7 @@ def _shader(path: Path, root: Element, material: Element) -> Element:
     if material.tag in models.MODELS:
         return material
     place = f"{named(path)}: line {line_of(material)}"
-    used = _input(material, "surfaceshader")
+    used = input_of(material, "surfaceshader")
     target = None if used is None else used.get("nodename")
     shader = next((e for e in root if e.get("name") == target), None) if target else None
     if shader is None and used is not None and used.get("nodegraph"):
@@ -116,7 +116,3 @@ def _shader(path: Path, root: Element, material: Element) -> Element:
             f"expected one of {', '.join(models.MODELS)}"
         )
     return shader
-
-
-def _input(node: Element, name: str) -> Element | None:
-    return next((e for e in node if e.tag == "input" and e.get("name") == name), None)

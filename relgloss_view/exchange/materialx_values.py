@@ -13,6 +13,7 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.xml import line_of
+from relgloss_view.material.cielab import srgb_decoded
 from relgloss_view.material.spectra import D65_XY, SRGB_PRIMARIES_XY, rgb_to_xyz_matrix
 
 MOST_HOPS = 32  #: from name to name; longer ways are loops
@@ -62,23 +63,28 @@ class Values:
 
     def has(self, name: str) -> bool:
         """Whether the document states an input in any way."""
-        return _input(self.shader, name) is not None
+        return input_of(self.shader, name) is not None
 
     def number(self, name: str, default: float, low: float, high: float) -> float:
         """An input of one number within a range; InputError outside."""
-        return self._checked(name, (default,), 1, low, high)[0]
+        return self.numbers(name, (default,), 1, low, high)[0]
 
     def colour(
         self, name: str, default: tuple[float, float, float], high: float = 1.0
     ) -> tuple[float, float, float]:
         """An input of a colour as linear sRGB, each from 0 to `high`."""
-        red, green, blue = self._checked(name, default, 3, 0.0, high)
+        red, green, blue = self.numbers(name, default, 3, 0.0, high)
         return red, green, blue
 
-    def _checked(
+    def numbers(
         self, name: str, default: tuple[float, ...], count: int, low: float, high: float
     ) -> tuple[float, ...]:
-        element = _input(self.shader, name)
+        """An input of `count` numbers, each within a range, as linear sRGB where there are three.
+
+        What comes from elsewhere is noted in `unread`, and the default holds. Raises InputError
+        outside of the range.
+        """
+        element = input_of(self.shader, name)
         if element is None:
             return default
         where = f"{self.place}: line {line_of(element)}: {name}"
@@ -107,7 +113,7 @@ class Values:
         if space in PLAIN:
             return numbers
         if space in ENCODED:
-            return tuple(_decoded(v) for v in numbers)
+            return tuple(float(v) for v in srgb_decoded(numbers))
         if space in _PRIMARIES:
             there = rgb_to_xyz_matrix(_PRIMARIES[space], D65_XY)
             back = rgb_to_xyz_matrix(SRGB_PRIMARIES_XY, D65_XY)
@@ -142,8 +148,8 @@ class Values:
                 continue
             if target.tag not in CONSTANTS:
                 return f"a node {printable(target.tag, 40)!r}"
-            inside = _input(target, "value")
-            inside = _input(target, "in") if inside is None else inside
+            inside = input_of(target, "value")
+            inside = input_of(target, "in") if inside is None else inside
             if inside is None:
                 return f"a node {printable(target.tag, 40)!r} without a value"
             element = inside
@@ -161,7 +167,8 @@ def _output(graph: Element, name: str | None) -> Element | None:
     return next((e for e in outputs if e.get("name") == name), None)
 
 
-def _input(node: Element, name: str) -> Element | None:
+def input_of(node: Element, name: str) -> Element | None:
+    """The input of a name that a node states; None without one."""
     return next((e for e in node if e.tag == "input" and e.get("name") == name), None)
 
 
@@ -175,8 +182,3 @@ def _numbers(text: str) -> tuple[float, ...] | None:
     except ValueError:
         return None
     return numbers if all(math.isfinite(v) and abs(v) <= LARGEST for v in numbers) else None
-
-
-def _decoded(value: float) -> float:
-    """Linear light of an sRGB value (IEC 61966-2-1:1999)."""
-    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4

@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.base.errors import InputError
 from relgloss_view.base.writing import whole_file
 from relgloss_view.exchange.channels import TableSurface, in_rgb, metal_notes
 from relgloss_view.exchange.formats import Exported, ExportOptions
@@ -27,8 +26,7 @@ BELOW = -1.0
 
 def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported:
     """Write a material; see exchange.formats.Writer."""
-    if isinstance(what, Pack):
-        raise InputError(f"{path}: a MERL binary holds one material; give a material")
+    assert isinstance(what, Material)  # Format.write refuses packs
     table = table_of(what)
     loss = compare(what, TableSurface(table.evaluate))
     with whole_file(path) as temporary, temporary.open("wb") as file:

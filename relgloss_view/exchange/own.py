@@ -17,6 +17,7 @@ from relgloss_view.base.json_files import parse_json
 from relgloss_view.material.files import material_from_dict, material_to_dict
 from relgloss_view.material.material import Material
 
+EXTRAS = "relgloss"  #: the entry of glTF's `extras` that holds them
 MOST_CHARACTERS = 400_000  #: of a material's JSON; its evidence is left out where it is longer
 DIGITS = 6  #: significant, of the parameters in a digest
 

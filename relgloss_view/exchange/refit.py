@@ -15,7 +15,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.exchange import ggx, judge
-from relgloss_view.exchange.loss import Loss, Surface
+from relgloss_view.exchange.loss import LAMP, Loss, Surface
 from relgloss_view.exchange.openpbr import OpenPbr
 from relgloss_view.exchange.search import Family, Found, Unknown, nearest
 from relgloss_view.gloss.meter.meter import main_lobe
@@ -23,7 +23,6 @@ from relgloss_view.material.material import Lobe, Material
 from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.measure.bands import RGB
 
-LAMP = "D65"
 BEHIND_DEG = 110.0  #: azimuth of the lamp of a second look at what is lost
 COAT_INDEX = 1.5
 #: Index of a base below a coat of COAT_INDEX whose border reflects as glass in air does.

@@ -19,7 +19,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.exchange import judge
 from relgloss_view.exchange.least_squares import least_squares
-from relgloss_view.exchange.loss import MOST_DE2000, MOST_GLOSS_UNITS, Loss, Surface
+from relgloss_view.exchange.loss import LAMP, MOST_DE2000, MOST_GLOSS_UNITS, Loss, Surface
 from relgloss_view.exchange.metered import COARSE, window_of
 from relgloss_view.gloss.meter.geometry import SPECULAR
 from relgloss_view.gloss.meter.meter import luminous_weights
@@ -119,7 +119,7 @@ class _View:
 
     @staticmethod
     def _lab_of(xyz: Array) -> Array:
-        return cielab.lab_from_xyz(xyz, illuminant(judge.LAMP).white_xyz())
+        return cielab.lab_from_xyz(xyz, illuminant(LAMP).white_xyz())
 
 
 class _Aim:
@@ -152,10 +152,10 @@ class _Aim:
         asked = _asked_points()
         if isinstance(surface, Material):
             diffuse, specular = surface.evaluate_facing(asked.facing)
-            weights, luminous = surface.xyz_weights(illuminant(judge.LAMP)), surface.bands
+            weights, luminous = surface.xyz_weights(illuminant(LAMP)), surface.bands
         else:
             diffuse, specular = surface.evaluate(asked.i, asked.o)
-            weights, luminous = xyz_weights(RGB, illuminant(judge.LAMP)), RGB
+            weights, luminous = xyz_weights(RGB, illuminant(LAMP)), RGB
         seen = [
             judge.Seen(*(arriving[:, None] * (part[part_of] @ weights) for part in parts))
             for part_of, arriving in asked.pictures

@@ -1,4 +1,4 @@
-"""Rungs with a metal's lobe, tried where the samples show that a lobe has a colour.
+"""Rungs with a metal's lobe, tried where a lobe has a colour or is brighter than a dielectric's.
 
 A dielectric's lobe has one colour at every angle. That of a foil or a metallic ink turns white at
 grazing incidence: m_b = a_b T (1 - w) + k T w with a_b = k F0_b (Schlick 1994), the columns of
@@ -12,18 +12,24 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.fitting.descent import refine
 from relgloss_view.fitting.ladder import RELEVANT_SHARE, Candidate, Folds, enough, evaluate
-from relgloss_view.fitting.model import Rung, State, States
+from relgloss_view.fitting.limits import OPTICAL_INDEX
+from relgloss_view.fitting.model import Rung, State, States, brightness
 from relgloss_view.fitting.problem import Problem
 from relgloss_view.material.material import Lobe
 
-#: Each with the rungs between which its colour shows: of neutral lobes, of coloured ones.
+#: Each with the rungs between which its colour shows: of neutral lobes, of coloured ones. The last
+#: is for a foil whose highlight is narrow on a wide foot.
 METALS = (
     (Rung("metal", lobes=1, metals=1), "lobe", "spectral-lobe"),
     (Rung("metal-and-lobe", lobes=2, metals=1), "two-lobes", "two-spectral-lobes"),
+    (Rung("two-metals", lobes=2, metals=2), "metal-and-lobe", "two-spectral-lobes"),
 )
 NAMES = tuple(rung.name for rung, *_ in METALS)
 #: F0 above this in some band is no metal's: the lobe would darken towards grazing incidence.
 LARGEST_F0 = 1.1
+#: Brightness (model.brightness, one is a full lobe of index 1.5) beyond which a lobe is no
+#: dielectric's: that of the largest index that a coating has, F0 = ((n - 1) / (n + 1))^2.
+BRIGHTEST_DIELECTRIC = ((OPTICAL_INDEX[1] - 1.0) / (OPTICAL_INDEX[1] + 1.0)) ** 2 / 0.04
 _GUESS_ROUNDS = 4
 
 
@@ -32,27 +38,39 @@ def with_metals(folds: Folds, candidates: list[Candidate], tried: str) -> list[C
 
     tried: 'auto', 'none', or the one of NAMES that is fitted alone.
 
-    A rung is tried where its coloured rung predicts left-out samples better than the neutral one;
-    all others cost nothing. It comes before the coloured one of two lobes, which is larger.
+    A rung is tried where its coloured rung predicts left-out samples better than the neutral one,
+    or where the neutral one has a lobe that is brighter than a dielectric's: silver has no colour.
+    All others cost nothing. Two metals are tried for the second reason alone. Candidates come in
+    order of size: only two metals are larger than two coloured lobes.
     """
     if tried == "none":
         return candidates
     if tried in NAMES:
         return [_forced(folds, candidates, tried)]
     by_name = {candidate.name: candidate for candidate in candidates}
-    made = []
     for rung, neutral, coloured in METALS:
-        start = by_name.get(coloured)
-        if start is None or (
-            neutral in by_name and enough(by_name[neutral], start, RELEVANT_SHARE)
-        ):
+        start, plain = by_name.get(coloured), by_name.get(neutral)
+        if start is None or not _is_called_for(rung, plain, start):
             continue
-        candidate = fitted(folds, rung, start)
-        if largest_f0(candidate.solution.state) <= LARGEST_F0:
-            made.append(candidate)
+        by_name[rung.name] = fitted(folds, rung, start)
+    made = [by_name[name] for name in NAMES if name in by_name]
+    made = [one for one in made if largest_f0(one.solution.state) <= LARGEST_F0]
     last = next((k for k, c in enumerate(candidates) if c.rung.spectral and c.rung.lobes > 1), None)
     place = len(candidates) if last is None else last
-    return [*candidates[:place], *made, *candidates[place:]]
+    # Of two coloured lobes each has a strength in each band, of two metals a white part too.
+    small = [candidate for candidate in made if candidate.rung.metals == 1]
+    large = [candidate for candidate in made if candidate.rung.metals > 1]
+    return [*candidates[:place], *small, *candidates[place:], *large]
+
+
+def _is_called_for(rung: Rung, plain: Candidate | None, coloured: Candidate) -> bool:
+    """Whether a rung is worth its time; plain: its neutral rung, if that was tried."""
+    if plain is None:
+        return rung.metals == 1
+    if rung.metals == 1 and not enough(plain, coloured, RELEVANT_SHARE):
+        return True
+    dielectrics = brightness(plain.solution.state)[plain.rung.metals :]
+    return bool(np.any(dielectrics > BRIGHTEST_DIELECTRIC))
 
 
 def _forced(folds: Folds, candidates: list[Candidate], name: str) -> Candidate:

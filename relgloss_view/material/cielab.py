@@ -99,10 +99,7 @@ def srgb_to_lab(srgb: ArrayLike, lamp: str = "D50") -> Array:
     >>> srgb_to_lab([1.0, 0.0, 0.0]).round(1).tolist()  # as ICC profiles of sRGB have it
     [54.3, 80.8, 69.9]
     """
-    value = np.asarray(srgb, dtype=np.float64)
-    linear = np.where(
-        value <= 0.04045, value / 12.92, ((np.maximum(value, 0.0) + 0.055) / 1.055) ** 2.4
-    )
+    linear = srgb_decoded(srgb)
     white, d65 = illuminant(lamp).white_xyz(), white_from_xy(D65_XY)
     xyz = linear @ rgb_to_xyz_matrix(SRGB_PRIMARIES_XY, D65_XY).T @ bradford(d65, white).T
     return lab_from_xyz(xyz, white)
@@ -119,5 +116,26 @@ def lab_to_srgb(lab: ArrayLike, lamp: str = "D50") -> Array:
     white, d65 = illuminant(lamp).white_xyz(), white_from_xy(D65_XY)
     xyz = xyz_from_lab(np.asarray(lab, dtype=np.float64), white) @ bradford(white, d65).T
     linear = xyz @ np.linalg.inv(rgb_to_xyz_matrix(SRGB_PRIMARIES_XY, D65_XY)).T
-    power = np.maximum(linear, 0.0031308) ** (1.0 / 2.4)
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * power - 0.055)
+    return srgb_encoded(linear)
+
+
+def srgb_decoded(srgb: ArrayLike) -> Array:
+    """Linear light of sRGB values, 0 to 1, of any shape (IEC 61966-2-1:1999).
+
+    >>> srgb_decoded([0.0, 0.5, 1.0]).round(4).tolist()
+    [0.0, 0.214, 1.0]
+    """
+    value = np.asarray(srgb, dtype=np.float64)
+    bent = ((np.maximum(value, 0.0) + 0.055) / 1.055) ** 2.4
+    return np.where(value <= 0.04045, value / 12.92, bent)
+
+
+def srgb_encoded(linear: ArrayLike) -> Array:
+    """sRGB values of linear light of any shape; the inverse of srgb_decoded.
+
+    >>> srgb_encoded([0.0, 0.214, 1.0]).round(2).tolist()
+    [0.0, 0.5, 1.0]
+    """
+    light = np.asarray(linear, dtype=np.float64)
+    power = np.maximum(light, 0.0031308) ** (1.0 / 2.4)
+    return np.where(light <= 0.0031308, 12.92 * light, 1.055 * power - 0.055)

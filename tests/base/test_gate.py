@@ -41,6 +41,7 @@ ELSEWHERE = {
     "pack/artwork/pictures.py": "the null device", "proof/page/build.py": "the page's own parts",
     "base/page_scripts.py": "the pages' own scripts",
     "catalogue/page/write.py": "the page's own parts",
+    "catalogue/page/sentences.py": "the page's own words",
     "viewer/files/proof_files.py": "what it has unpacked, and its own session file",
     "proof/carry.py": "the folder that it has written",
     "pack/artwork/pdf.py": "the answer and the files of its own child",

@@ -15,7 +15,7 @@ from PIL import Image
 from relgloss_view.base.errors import InputError
 from relgloss_view.catalogue.build import BuildOptions, build
 from relgloss_view.catalogue.catalogue import Catalogue
-from relgloss_view.catalogue.columns import COLUMNS, NAMES, READINGS
+from relgloss_view.catalogue.columns import COLUMNS, LAB, NAMES, READINGS
 from relgloss_view.catalogue.look import draw, match_of, setting_of
 from relgloss_view.catalogue.one_thread import one_thread
 from relgloss_view.catalogue.recipe import Recipe
@@ -163,9 +163,20 @@ def test_a_thumbnail_is_the_picture_at_its_c(built):
 
 
 def test_the_colour_is_that_of_45_0(built):
-    """Against the white: a material twice as dark has a smaller L*, and neutral ones no colour."""
+    """By colour-science: it sums each nanometre, the row the bands of 10 nm, so 0.3 are between."""
+    import colour
+
+    material = built.material("cast.json")
+    up, at_45 = np.array([[0.0, 0.0, 1.0]]), np.array([[0.5**0.5, 0.0, 0.5**0.5]])
+    factors = np.pi * sum(material.evaluate(at_45, up))[0]
+    spectrum = dict(zip(material.bands.wavelengths_nm, factors, strict=True))
+    lamp = colour.SDS_ILLUMINANTS["D50"]
+    xyz = colour.sd_to_XYZ(colour.SpectralDistribution(spectrum), illuminant=lamp) / 100.0
+    white = colour.CCS_ILLUMINANTS["CIE 1931 2 Degree Standard Observer"]["D50"]
     row = built.row("cast.json")
-    assert row["a_star"] < -10.0 < row["L_star"] < 70.0  # a green solid, one peak at 525 nm
+    found = [row[name] for name in LAB]
+    np.testing.assert_allclose(found, colour.XYZ_to_Lab(xyz, white), atol=0.3)
+    assert row["a_star"] < -10.0  # a green solid: the check sees colour
 
 
 def test_the_file_states_what_it_was_made_with(built):

@@ -43,7 +43,8 @@ def test_what_was_done_is_printed(quick, tmp_path, build):
     assert out == [
         "6 files: 6 done, 0 failed",
         "6 new or changed; 0 only metered and drawn again; 0 unchanged",
-        "1 file passed over: no table, material or proof",
+        "1 file passed over: no table, material or proof; is one of these a table? notes.txt "
+        "(`relgloss measure FILE` prints what is wrong)",
         f"{tmp_path}/stock/catalogue.parquet: written",
     ]
     shutil.rmtree(tmp_path / "tree" / "lot 0")
@@ -55,6 +56,17 @@ def test_what_was_done_is_printed(quick, tmp_path, build):
         2,
         True,
     )
+
+
+def test_fits_that_are_not_good_are_counted() -> None:
+    """Else a foil that no model describes is wrong in silence."""
+    report = building.Report(rows=3, done=3, is_complete=True, qualities={"good": 2, "poor": 1})
+    assert building.words_of(report, "my stock")[1] == (
+        "fits: 2 good, 1 poor; gloss and pictures of the others may be wrong: "
+        "relgloss catalogue search 'my stock' 'quality is not good'"
+    )
+    report.qualities = {"good": 3}
+    assert building.words_of(report, "stock")[1] == "fits: 3 good"
 
 
 def test_faults_end_a_build_unless_it_keeps_going(quick, tmp_path, build):
@@ -98,7 +110,7 @@ def test_the_settings_of_the_command_are_in_the_recipe(quick, tmp_path, build):
         (["--reference", "can.toml"], "can.toml"),
         (["--reference", "nothing"], "nothing"),
         (["--refractive-index", "20"], "--refractive-index 20"),
-        (["--workers", "0"], "workers: expected 1 to"),
+        (["--workers", "0"], "--workers 0: expected 1 to"),
         (["--scheduler", "localhost"], "expected tcp://HOST:PORT"),
         (["-o", ""], "empty name"),
     ],

@@ -235,6 +235,7 @@ FAULTS = [
     ("gloss 60 > 30 deg", (14, 17), "in GU"),
     ("gloss 60 > abc", (11, 14), "a number"),
     ("gloss 60 > 1e999", (11, 16), "too large"),
+    ("poor", (0, 4), "write quality poor"),
     ("name contains and", (14, 17), "quotation marks"),
     ("name is Lot (3)", (8, 13), "quotation marks"),
     ('name is "Lot', (8, 12), "partner"),
@@ -255,7 +256,7 @@ FAULTS = [
     ("as glossy as X within 5", (15, 23), "%"),
     ("as glossy as X at 50 degrees", (15, 28), "20, 60, 75 or 85"),
     ("40 < gloss 60 < 50", (0, 2), "between 40 and 50"),
-    ("not quality good or poor", (20, 24), "not a known word here"),
+    ("not quality good or poor", (20, 24), "write quality poor"),
     ("gloss 60 desc", (0, 13), "sort by gloss 60 descending"),
     ("colour near 7", (13, 13), "a name of digits needs quotation marks"),
     ("sort by glos", (8, 12), "did you mean"),
@@ -263,7 +264,7 @@ FAULTS = [
     ("first 0", (6, 7), "whole number"),
     ("first 2.5", (6, 9), "whole number"),
     ("\u2028name", (1, 5), "contains"),
-    ("varnish", (0, 7), '"varnish" in quotation marks'),
+    ("varnish", (0, 7), "write name contains varnish"),
 ]  # fmt: skip
 
 

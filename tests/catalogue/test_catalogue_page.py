@@ -233,6 +233,44 @@ def test_only_lines_in_view_are_elements(page_browser, written):
     assert call(page_browser, whole) == len(rows)
 
 
+def test_elements_are_used_again_and_lists_that_shrink_show_their_rows(page_browser, written):
+    emulate(page_browser, 1400, 900)
+    at(page_browser, written)
+    kept, again, tiles = call(page_browser, """async () => {
+      const rest = (ms) => new Promise((done) => setTimeout(done, ms));
+      const list = document.getElementById("list");
+      const openers = () => [...document.querySelectorAll(".open")];
+      const before = new Map(openers().map((one) => [one.dataset.row, one]));
+      const text = document.getElementById("text");
+      text.value = "gloss"; text.dispatchEvent(new Event("input"));
+      await rest(100);
+      const now = openers().filter((one) => before.has(one.dataset.row));
+      const same = now.filter((one) => before.get(one.dataset.row) === one).length;
+      list.scrollTop = 1e9;
+      await rest(100);
+      location.hash = "#text=gloss&gloss_60=40..50"; // which scrolls the list nowhere
+      await new Promise((done) => addEventListener("hashchange", done, {once: true}));
+      const box = list.getBoundingClientRect();
+      const seen = [...document.querySelectorAll(".tile")]
+        .map((one) => one.getBoundingClientRect())
+        .filter(({top, bottom}) => bottom > box.top && top < box.bottom);
+      return [same, now.length, seen.length];
+    }""")  # fmt: skip
+    assert kept == again > 5
+    assert tiles > 5
+
+
+def test_words_of_the_page_are_all_used():
+    from relgloss_view.catalogue.page.sentences import sentences
+
+    files = [*FOLDER.glob("js/*.js"), *FOLDER.glob("*.py")]
+    code = "\n".join(file.read_text(encoding="utf-8") for file in files)
+    used = set(re.findall(r"""["']([a-z][a-z.-]*)["']""", code))
+    used |= {f"view.{view}" for view in ("grid", "table")}
+    assert set(sentences()) <= used
+    assert all(words == words.strip() for words in sentences().values())
+
+
 def test_without_scripts_there_is_a_table_with_pictures(page_browser, written, done):
     emulate(page_browser, 900, 900)
     page_browser.cdp("Emulation.setScriptExecutionDisabled", value=True)

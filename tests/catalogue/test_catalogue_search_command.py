@@ -48,6 +48,21 @@ def test_words_need_no_quotes_of_the_shell(capsys, stock):
     assert run(capsys, stock, "gloss", "75", "above", "20")[1].startswith("3 hits of 5")
 
 
+def test_what_failed_is_listed_with_its_fault(capsys, stock):
+    text = run(capsys, stock, "failed")[1]
+    assert "broken.json" in text
+    assert "basis" in text or "name" in text.splitlines()[2].split("failed")[1]
+
+
+def test_a_long_list_is_left_to_the_page(capsys, stock, tmp_path, monkeypatch):
+    monkeypatch.setattr("relgloss_view.commands.catalogue_search.LIMIT", 2)
+    page = tmp_path / "hits.html"
+    text = run(capsys, stock, "--limit", "0", "--page", page)[1]
+    assert "... and 3 more on the page" in text
+    assert "uncoated.json" in page.read_text(encoding="utf-8")
+    assert "uncoated.json" in run(capsys, stock, "--limit", "0")[1]
+
+
 def test_json(capsys, stock):
     status, text, _ = run(capsys, stock, "looks 0.7 x as glossy as cast-coated", "--json")
     content = json.loads(text)

@@ -14,7 +14,12 @@ def test_out_and_in(tmp_path, capsys):
     out, back = tmp_path / "u.mtlx", tmp_path / "u.json"
     assert main(["export", "satin-varnish", "-o", str(out)]) == 0
     printed = capsys.readouterr()
-    assert "highlight dE2000 p95" in printed.out
+    # One sentence for a designer first, then the numbers.
+    first, second, *rest = printed.out.splitlines()
+    assert "satin_varnish: the highlight looks nearly the same, and the gloss is kept (60" in first
+    assert "highlight dE2000 p95" in second
+    assert len(rest) < 5
+    assert not printed.err
     assert main(["import", str(out), "-o", str(back)]) == 0
     assert "unchanged" in capsys.readouterr().out
     assert load_material(back).name == "satin varnish"
@@ -30,7 +35,10 @@ def test_out_and_in(tmp_path, capsys):
         (["export", "uncoated", "-o", "x.txt"], "expected a name that ends with one of .mtlx"),
         (["export", "nothing-here", "-o", "x.mtlx"], "nothing-here"),
         (["export", "uncoated", "-o", "x.mtlx", "--pixels", "3"], "expected 16 to"),
-        (["export", "uncoated", "-o", "x.mtlx", "--step", "nan"], "expected 0.1 to"),
+        (
+            ["export", "uncoated", "-o", "x.csv", "--grid", "in-plane:nan"],
+            "expected a step from 0.1 to",
+        ),
         (["import", "nothing-here", "-o", "x.json"], "nothing-here"),
     ],
 )

@@ -20,6 +20,7 @@ from relgloss_view.exchange.formats import reader_of
 from relgloss_view.exchange.gltf import glb
 from relgloss_view.exchange.gltf_material import GltfMaterial
 from relgloss_view.exchange.gltf_reading import read_gltf as read
+from relgloss_view.exchange.gltf_refit import refit_gltf
 from relgloss_view.exchange.metered import gloss_units
 from relgloss_view.pack.built_in import load_finish
 from relgloss_view.pack.forms.gltf_document import Document, Source
@@ -82,6 +83,15 @@ def test_out_and_in_again_without_our_own_numbers_keeps_the_gloss(tmp_path):
         again, before = gloss_units(read(path, None)), gloss_units(load_finish(name))
         for key, value in before.items():
             assert again[key] == pytest.approx(value, abs=2.0), (name, key)
+
+
+def test_no_coat_is_a_bright_point_in_a_matt_highlight():
+    """The meters alone would take a narrow coat, whose mirror image of the lamp is 11 dE2000."""
+    refit = refit_gltf(load_finish("soft-touch"))
+    assert refit.loss.de2000_max < 3.0
+    for surface in (refit.surface, *(found.surface for found in refit.others)):
+        if surface.clearcoat > 0.0:
+            assert surface.clearcoat_roughness > 0.5 * surface.roughness
 
 
 def test_a_pack_gives_its_finishes_by_name(tmp_path):

@@ -20,6 +20,15 @@ mi = pytest.importorskip("mitsuba")
 
 ROWS = slice(254, 258)  #: of 512, about the middle of the cylinder
 SPLITS = 4  #: places along each side of a pixel, in Mitsuba as in ours
+#: What one lobe of GGX loses in the highlight of a material with a sharp core and a haze: more than
+#: is overlooked. Others lose MOST_DE2000 at most.
+MOST = {
+    "cast-coated": 7.2,
+    "art-coated": 4.2,
+    "matte-coated": 3.5,
+    "cold-foil-silver": 4.5,
+    "cold-foil-gold": 8.6,
+}
 FAST = ("art-coated", "satin-varnish", "cold-foil-silver")
 SLOW = tuple(name for name in (*PAPERS, *FINISHES) if name not in FAST)
 
@@ -122,7 +131,7 @@ def check(name):
     # a pixel: 0.15 for foils, 0.25 for cast-coated paper, 0.03 for the others.
     narrow = material.specular[0].s_deg < 1.0
     assert theirs == pytest.approx(ours, abs=0.5 if narrow else 0.05)
-    assert refit.loss.de2000_p95 <= MOST_DE2000 or not refit.loss.is_small
+    assert refit.loss.de2000_p95 <= MOST.get(name, MOST_DE2000)
 
 
 @pytest.mark.parametrize("name", FAST)
@@ -137,7 +146,7 @@ def test_mitsuba_draws_what_the_judge_sees_of_the_others(name):
 
 
 def test_mitsuba_sees_that_a_renamed_width_is_another_highlight():
-    """Negative control: alpha = sqrt(2) s as it stands; the literature here has 4 dE and more."""
+    """Negative control: alpha = sqrt(2) s, which a program would take."""
     material = load_finish("matte-coated")
     fitted = refit_principled(material)
     lobe = material.specular[0]

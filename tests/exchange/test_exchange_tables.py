@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import html
 import subprocess
 import xml.etree.ElementTree as ElementTree
@@ -217,6 +218,14 @@ class TestCsv:
         assert "\n" not in str(error.value)
         assert not (tmp_path / "a.csv").exists()
 
+    def test_a_name_of_controls_leaves_a_table_that_is_read(self, tmp_path):
+        name = "a\x00\x1b[31m\x7f\n# quantity: brdf"
+        table = tmp_path / "a.csv"
+        csv_out.write(dataclasses.replace(matt(), name=name), table, ExportOptions())
+        assert b"\x00" not in table.read_bytes()
+        assert b"\x1b" not in table.read_bytes()
+        assert read_measurement(table).quantity == "radiance-factor"
+
     @pytest.mark.parametrize("grid", ["in-plane:0", "in-plane:x", "in-plane:nan", "everywhere"])
     def test_wrong_grids(self, tmp_path, grid):
         with pytest.raises(InputError, match="expected"):
@@ -224,9 +233,9 @@ class TestCsv:
 
     def test_a_lobe_between_the_directions_is_reported(self):
         varnish = load_finish("gloss-varnish")
-        coarse = csv_out.grid_of(varnish, "in-plane:30", None)
+        coarse = csv_out.grid_of(varnish, "in-plane:30")
         assert any("width of the lobe" in note for note in csv_out._notes(varnish, coarse))
-        fine = csv_out.grid_of(varnish, "in-plane", None)
+        fine = csv_out.grid_of(varnish, "in-plane")
         assert csv_out._notes(varnish, fine) == ()
 
 

@@ -72,6 +72,43 @@ class TestChoice:
         assert material.fit is not None
         assert material.fit.chosen == "spectral-lobe"
 
+    def test_a_silver_foil_is_a_metal_though_it_has_no_colour(self) -> None:
+        """A dielectric would need a strength of 18, and would triple its gloss at 60 degrees."""
+        silver = np.full(4, 0.92)
+        value = fit_cases.truth((), albedo=ALBEDO, grid=SMALL) + foil(3.0, 0.8, silver, SMALL)
+        material = fitted(value, grid=SMALL)
+        assert material.fit is not None
+        assert material.fit.chosen == "metal"
+        assert material.fit.quality == "good"
+        (lobe,) = material.specular
+        assert lobe.is_metal
+        np.testing.assert_allclose(np.array(lobe.f0) * lobe.strength[0], 0.8 * silver, rtol=0.01)
+
+    @pytest.mark.parametrize("f0", [np.full(4, 0.92), F0], ids=["silver", "gold"])
+    def test_a_foil_of_two_widths_is_two_metals(self, f0) -> None:
+        """A narrow highlight on a wide foot, as foil on paper has it."""
+        value = (
+            fit_cases.truth((), albedo=ALBEDO, grid=SMALL)
+            + foil(1.5, 0.8, f0, SMALL)
+            + foil(7.0, 0.15, f0, SMALL)
+        )
+        material = fitted(value, grid=SMALL)
+        assert material.fit is not None
+        assert material.fit.chosen == "two-metals"
+        assert material.fit.quality == "good"
+        narrow, wide = material.specular
+        assert narrow.is_metal
+        assert wide.is_metal
+        assert (narrow.s_deg, wide.s_deg) == pytest.approx((1.5, 7.0), rel=0.02)
+
+    def test_a_bright_dielectric_stays_one(self) -> None:
+        """Negative control: three times a full lobe, as a table in a wrong unit has it."""
+        value = fit_cases.truth(((3.0, 3.0),), albedo=ALBEDO, grid=SMALL)
+        material = fitted(value, grid=SMALL)
+        assert material.fit is not None
+        assert "metal" in names(material)  # it is tried, and loses by how it grows with incidence
+        assert material.fit.chosen == "lobe"
+
     @pytest.mark.parametrize("lobes", [((2.5, 0.9),), ((2.0, 0.9), (9.0, 0.3))])
     def test_a_neutral_lobe_costs_nothing(self, lobes) -> None:
         """No rung with a metal is tried, so such a fit takes as long as it did."""
@@ -163,7 +200,9 @@ def test_the_gradient_is_that_of_the_loss(rung: model.Rung) -> None:
     for b in range(4):
         step, gradient = 1e-6 * (np.arange(4) == b), per_loss * equations.own_gradient[0, b]
         assert slope(0.0, step, 0.0) == pytest.approx(gradient[0], rel=1e-5)
-        assert slope(0.0, 0.0, step) == pytest.approx(gradient[1], rel=1e-5)
+        for j in range(rung.own):
+            row = np.multiply.outer(np.arange(rung.own) == j, step)
+            assert slope(0.0, 0.0, row) == pytest.approx(gradient[1 + j], rel=1e-5)
 
 
 @pytest.mark.parametrize("seed", range(20))

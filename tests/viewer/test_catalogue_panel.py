@@ -194,12 +194,12 @@ def draws_what_shows(hand, found):
 
 
 def is_built_again(hand, found):
-    from relgloss_view.viewer.files import catalogue_files
+    from relgloss_view.catalogue.columns import TABLE_FILE
 
     actions, opened = show(hand, "again", 20)
     folder = Path(opened.folder)
     hand.frames(2)
-    table = folder / catalogue_files.TABLE
+    table = folder / TABLE_FILE
     table.write_bytes(b"another")
     found["noticed"] = hand.until(lambda: actions.changed, 4000)
     hand.frames(2)

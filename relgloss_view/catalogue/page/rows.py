@@ -9,14 +9,16 @@ import io
 import math
 import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 from relgloss_view.base.reading import printable
 from relgloss_view.base.shell import command_line, operand
 from relgloss_view.catalogue.columns import BY_NAME, FLAG, NUMBER, WHOLE
+from relgloss_view.catalogue.places import parts_within
 from relgloss_view.catalogue.query.found import Found, Hit
+from relgloss_view.catalogue.thumbnail import opened_thumbnail
 
 LONGEST = 160  #: characters of a text
 LONGEST_WARNING, MOST_WARNINGS = 400, 12
@@ -116,11 +118,8 @@ def warnings_of(hit: Hit) -> list[str]:
 
 def material_place(hit: Hit, catalogue: Path, page: Path) -> str:
     """The item's material file from the page's folder; '' where there is none in the catalogue."""
-    place = str(hit.row.get("material") or "")
-    parts = PurePosixPath(place).parts
-    if not parts or PurePosixPath(place).is_absolute() or ".." in parts or "\\" in place:
-        return ""
-    return beside(catalogue.joinpath(*parts), page)
+    parts = parts_within(str(hit.row.get("material") or ""))
+    return beside(catalogue.joinpath(*parts), page) if parts else ""
 
 
 def beside(file: Path, page: Path) -> str:
@@ -157,16 +156,13 @@ def small_picture(png: bytes, is_small_page: bool = True) -> bytes:
 
     is_small_page: in about 0.4 of the bytes in 2 to 3 ms; otherwise in 0.8 of them in 0.3 ms.
     """
-    from PIL import Image, UnidentifiedImageError
-
-    method, effort = (2, 40) if is_small_page else (0, 0)
-    try:
-        with Image.open(io.BytesIO(png), formats=["PNG"]) as picture:
-            out = io.BytesIO()
-            picture.convert("RGB").save(out, "WEBP", lossless=True, quality=effort, method=method)
-            return out.getvalue()
-    except (UnidentifiedImageError, OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+    picture = opened_thumbnail(png)
+    if picture is None:
         return b""
+    method, effort = (2, 40) if is_small_page else (0, 0)
+    out = io.BytesIO()
+    picture.save(out, "WEBP", lossless=True, quality=effort, method=method)
+    return out.getvalue()
 
 
 def plain_number(value: float | None, decimals: int) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from relgloss_view.base.reading import printable
@@ -14,23 +15,31 @@ from relgloss_view.catalogue.query.vocabulary import label_of
 NOTHING = "-"
 #: Columns of a query that names none.
 USUAL = ("gloss_60", "quality")
-LONGEST = 48  #: characters of a cell
+LONGEST, LONGEST_FAULT = 48, 600  #: characters of a cell
 DECIMALS = {"GU": 1, "degrees": 2}
 COLOURS = ("L_star", "a_star", "b_star")
 
 
-def listing(found: Found) -> str:
-    """The whole answer as text: a summary, the table, notes."""
+def listing(found: Found, most: int | None = None) -> str:
+    """The whole answer as text: a summary, the table of at most `most` hits, notes."""
     lines = [summary(found)]
     if found.hits:
         shown = tuple(c for c in found.columns if not c.endswith("_se") or _alone(c, found))
         names = shown or USUAL
+        if (
+            "status" in names
+            and "fault" not in names
+            and any(h.row.get("fault") for h in found.hits)
+        ):
+            names = (*names, "fault")  # whoever looks for what failed wants to know why
         columns = [
             Column("rank", 4), Column("file", left=True), Column("name", left=True),
             *(Column(_heading(name), left=BY_NAME[name].kind == TEXT) for name in names),
             *(Column(measure.label) for measure in _measures(found)),
         ]  # fmt: skip
-        lines.append(table(columns, [_cells(hit, names, found) for hit in found.hits]))
+        lines.append(table(columns, [_cells(hit, names, found) for hit in found.hits[:most]]))
+        if most is not None and len(found.hits) > most:
+            lines.append(f"... and {len(found.hits) - most:,} more on the page")
     left_out = left_out_words(found)
     lines += [note for note in (*found.notes, left_out and left_out + ".") if note]
     return "\n".join(lines)
@@ -74,8 +83,10 @@ def _cells(hit: Hit, names: tuple[str, ...], found: Found) -> list[str]:
 def value_words(row: Any, column: str) -> str:
     """A value as people read it, with its standard error where it has one.
 
-    >>> value_words({"gloss_60": 45.26, "gloss_60_se": 0.31}, "gloss_60")
-    '45.3 +- 0.3'
+    The error is rounded up, so that it is never 0.
+
+    >>> value_words({"gloss_60": 45.26, "gloss_60_se": 0.03}, "gloss_60")
+    '45.3 +- 0.1'
     """
     value = row.get(column)
     if value is None or value == "":
@@ -86,14 +97,27 @@ def value_words(row: Any, column: str) -> str:
     if kind == WHOLE:
         return str(int(value))
     if kind != NUMBER:
-        return printable(value, LONGEST)
+        return printable(value, LONGEST_FAULT if column == "fault" else LONGEST)
     error = row.get(f"{column}_se")
     words = _number(float(value), column)
-    return words if error is None else f"{words} +- {_number(float(error), column)}"
+    return words if error is None else f"{words} +- {_error(float(error), column)}"
 
 
 def _number(value: float, column: str) -> str:
-    decimals = DECIMALS.get(BY_NAME[column].unit)
-    if column in COLOURS or column.removesuffix("_se") in ("haze", "doi"):
-        decimals = 1
+    decimals = _decimals(column)
     return f"{value:.3g}" if decimals is None else f"{value:.{decimals}f}"
+
+
+def _error(value: float, column: str) -> str:
+    decimals = _decimals(column)
+    if decimals is None:
+        return f"{value:.1g}"
+    step = 10.0**-decimals
+    return f"{step * max(math.ceil(value / step - 1e-9), 1):.{decimals}f}"
+
+
+def _decimals(column: str) -> int | None:
+    """How many are shown; None for three digits."""
+    if column in COLOURS or column.removesuffix("_se") in ("haze", "doi"):
+        return 1
+    return DECIMALS.get(BY_NAME[column].unit)

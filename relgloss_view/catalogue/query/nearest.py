@@ -9,7 +9,6 @@ pictures' highlights the one that differs more counts, or a broad one would hide
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,6 +21,7 @@ from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.catalogue.query.found import Measure, Searched
 from relgloss_view.catalogue.query.pictures import Colours, Drawer
 from relgloss_view.catalogue.query.references import Resolved
+from relgloss_view.catalogue.thumbnail import opened_thumbnail
 from relgloss_view.material import brdf
 from relgloss_view.material.cielab import srgb_to_lab
 from relgloss_view.material.difference import delta_e_2000
@@ -218,14 +218,5 @@ def _lab(pixels: Bytes) -> Array:
 
 def _decoded(png: bytes | None, px: int) -> Bytes | None:
     """A thumbnail's pixels (px, px, 3); None without one of this size."""
-    if png is None:
-        return None
-    from PIL import Image, UnidentifiedImageError
-
-    try:
-        with Image.open(io.BytesIO(png), formats=("PNG",)) as image:
-            if image.size != (px, px):
-                return None
-            return np.asarray(image.convert("RGB"))
-    except (UnidentifiedImageError, OSError, ValueError, SyntaxError):
-        return None
+    image = opened_thumbnail(png)
+    return None if image is None or image.size != (px, px) else np.asarray(image)

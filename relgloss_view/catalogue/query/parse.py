@@ -26,7 +26,7 @@ from relgloss_view.catalogue.query.terms import (
     is_wish,
     only_ranks,
 )
-from relgloss_view.catalogue.query.vocabulary import columns_known, suggestion
+from relgloss_view.catalogue.query.vocabulary import CHOICES, columns_known, suggestion
 
 MOST_CHARACTERS = 20_000
 DEEPEST = 50  #: parentheses within each other
@@ -164,7 +164,10 @@ class _Parser:
         at, end = scanner.piece()
         longer = scanner.text[at : min(len(scanner.text), end + 12)]
         piece = scanner.text[at : min(end, at + 30)]
-        remedy = f'{suggestion(longer)}; a name is found by "{piece}" in quotation marks'
+        if piece.lower() in CHOICES["quality"]:
+            remedy = f"write quality {piece.lower()}"
+            raise QueryError(scanner.text, at, end, "not a condition by itself", remedy)
+        remedy = f"{suggestion(longer)}; to look for a name, write name contains {piece}"
         raise QueryError(scanner.text, at, end, "not a known word here", remedy)
 
     def orders(self) -> list[Order]:

@@ -15,7 +15,8 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
-from relgloss_view.catalogue.columns import READINGS
+from relgloss_view.catalogue.columns import DONE, READINGS
+from relgloss_view.catalogue.look import LAB_LAMP
 from relgloss_view.catalogue.query.fault import QueryError
 from relgloss_view.catalogue.query.found import Searched
 from relgloss_view.catalogue.query.terms import ReferenceName
@@ -53,7 +54,7 @@ class Resolved:
         """Its L*, a*, b* at 45/0; NaN where it has none."""
         if self.row is not None:
             return np.asarray(values.colours[self.row])
-        return colour_of(self.material)
+        return colour_of(self.material, LAB_LAMP)
 
 
 def resolved(name: ReferenceName, catalogue: Searched, values: Values, text: str) -> Resolved:
@@ -70,7 +71,7 @@ def resolved(name: ReferenceName, catalogue: Searched, values: Values, text: str
         [k for k, path in enumerate(paths) if path and _stem(path) == wanted],
     ):
         if len(candidates) > 1:
-            candidates = [k for k in candidates if values.rows[k]["status"] == "done"] or candidates
+            candidates = [k for k in candidates if values.rows[k]["status"] == DONE] or candidates
         if len(candidates) == 1:
             return _of_item(candidates[0], catalogue, values, name, text)
         if candidates and name.text not in SAMPLES:
@@ -96,7 +97,7 @@ def _of_item(
 ) -> Resolved:
     row: Any = values.rows[k]
     path = str(row["path"])
-    if row["status"] != "done":
+    if row["status"] != DONE:
         raise QueryError(
             text, *name.span, f"{path} failed: {row.get('fault') or 'no results'}",
             "choose another sample",

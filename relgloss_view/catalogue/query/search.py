@@ -10,7 +10,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.terminal import ProgressReport, no_progress
-from relgloss_view.catalogue.columns import BY_NAME, READINGS, TEXT
+from relgloss_view.catalogue.columns import BY_NAME, LAB, READINGS, TEXT
 from relgloss_view.catalogue.query import terms
 from relgloss_view.catalogue.query.fault import QueryError
 from relgloss_view.catalogue.query.found import Found, Hit, Measure, Searched
@@ -299,7 +299,7 @@ class _Search:
             if isinstance(leaf, GlossRatio):
                 used.append(column or READINGS[self.catalogue.recipe.gloss])
             elif isinstance(leaf, ColourNear):
-                used += ["L_star", "a_star", "b_star"]
+                used += LAB
             elif column is not None:
                 used.append(column)
         return tuple(dict.fromkeys(used))

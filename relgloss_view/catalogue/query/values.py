@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.catalogue.columns import LAB
 from relgloss_view.catalogue.query.vocabulary import EMPTY_IS_TEXT
 
 
@@ -47,4 +48,4 @@ class Values:
     @property
     def colours(self) -> Array:
         """L*, a*, b* (N, 3); NaN where there is none."""
-        return np.stack([self.numbers(name) for name in ("L_star", "a_star", "b_star")], axis=-1)
+        return np.stack([self.numbers(name) for name in LAB], axis=-1)

@@ -67,8 +67,8 @@ def read_measurement(
     """Read a measured table in any of the formats below.
 
     GCMS-style and generic tables as text (CSV), ASTM E1392, SSDD, ALTA, Zemax BSDF, Speos,
-    BSDF XML of WINDOW and Radiance, RGL .bsdf, polarised .pbsdf, MERL .binary, and multi-angle readings in
-    CGATS, CxF3 or CSV.
+    BSDF XML of WINDOW and Radiance, RGL .bsdf, polarised .pbsdf, MERL .binary, and multi-angle
+    readings in CGATS, CxF3 or CSV.
 
     path: the file; its content decides the format (docs/files.md). The name of a built-in paper,
     such as 'art-coated', reads its synthetic table, unless there is a file of that name.
@@ -95,7 +95,7 @@ def read_measurement(
     Sources of the formats: Dupuy and Jakob 2018 (RGL), Baek et al. 2020 (pBSDF), Matusik et al.
     2003 (MERL), libbsdf's specification of SSDD (Kimura 2023), ASTM E1392 as Cornell and libbsdf
     write it, Belcour et al. 2014 (ALTA), Rykowski 2008 (Zemax), LBNL's BSDF-v1.7.7.xsd and Ward's
-    bsdf_m.c (BSDF XML), ANSI CGATS.17, ISO 17972-1 (CxF3), ASTM E2194 (multi-angle geometries).
+    bsdf_m.c (BSDF XML), Ansys (Speos), ANSI CGATS.17, ISO 17972-1 (CxF3), ASTM E2194 (multi-angle).
 
     >>> read_measurement("uncoated").bands.count
     35

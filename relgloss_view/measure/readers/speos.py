@@ -135,7 +135,7 @@ def hemisphere(theta: Array, phi: Array, values: Array) -> float:
             phi = np.append(phi, phi[0] + 360.0)
             values = np.column_stack([values, values[:, 0]])
         turns = 2.0 if span <= 181.0 else 1.0
-        around = turns * np.trapezoid(values, np.radians(phi), axis=1)
+        around = turns * np.asarray(np.trapezoid(values, np.radians(phi), axis=1))
     polar = np.radians(theta)
     return float(np.trapezoid(around * np.sin(polar), polar))
 

@@ -49,6 +49,16 @@ def thumbnail(frame: Frame, longest_px: int, displayed: Displayed | None = None)
     return np.asarray(np.floor(255.0 * digital + 0.5).astype(np.uint8))
 
 
+def text_px(width_px: int) -> int:
+    """Height of the letters on a sheet of pictures of a width."""
+    return max(11, min(18, width_px // 14))
+
+
+def gap_px(width_px: int) -> int:
+    """Room between pictures of a width, and around them."""
+    return max(8, width_px // 24)
+
+
 def contact_sheet(
     rows: Sequence[Sequence[Bytes]],
     captions: Sequence[Sequence[str]],
@@ -65,11 +75,11 @@ def contact_sheet(
     from PIL import Image, ImageDraw
 
     height, width = rows[0][0].shape[:2]
-    text_px = max(11, min(18, width // 14))
-    font, heading = Lettering(text_px), Lettering(round(1.4 * text_px))
-    gap, caption_px = max(8, width // 24), round(1.9 * text_px)
-    top = round(3.2 * text_px) if title else gap
-    bottom = round(2.6 * text_px) if note else gap
+    letter_px = text_px(width)
+    font, heading = Lettering(letter_px), Lettering(round(1.4 * letter_px))
+    gap, caption_px = gap_px(width), round(1.9 * letter_px)
+    top = round(3.2 * letter_px) if title else gap
+    bottom = round(2.6 * letter_px) if note else gap
     columns = max(len(row) for row in rows)
     sheet = Image.new(
         "RGB",
@@ -81,7 +91,7 @@ def contact_sheet(
     )
     pen = ImageDraw.Draw(sheet)
     ink = gray_on(display or Display(), INK_GRAY)
-    heading.draw(pen, (gap, (top - 1.4 * text_px) / 2), title, ink)
+    heading.draw(pen, (gap, (top - 1.4 * letter_px) / 2), title, ink)
     for r, (row, texts) in enumerate(zip(rows, captions, strict=True)):
         for k, (picture, text) in enumerate(zip(row, texts, strict=True)):
             x, y = gap + k * (width + gap), top + r * (height + caption_px + gap)

@@ -5,7 +5,6 @@ No OpenGL, no window library: a thread does it. What reads Parquet is imported i
 
 from __future__ import annotations
 
-import io
 import os
 from collections.abc import Iterable
 from pathlib import Path
@@ -16,13 +15,13 @@ import numpy as np
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.terminal import ProgressReport, no_progress
+from relgloss_view.catalogue.columns import TABLE_FILE
 from relgloss_view.viewer.files.pack_edits import stamp_of
 from relgloss_view.viewer.state.catalogues import OpenCatalogue
 
 if TYPE_CHECKING:
     from relgloss_view.catalogue.query.found import Searched
 
-TABLE = "catalogue.parquet"  #: catalogue/table.py NAME, whose imports are heavy
 TABLE_SUFFIXES = (".parquet",)
 LARGEST_PX = 512  #: of a thumbnail's side; a larger one is made smaller
 
@@ -35,7 +34,7 @@ def catalogue_folder(path: str | os.PathLike[str]) -> str | None:
     from relgloss_view.catalogue.tree import is_catalogue
 
     path = Path(path)
-    if path.name == TABLE:
+    if path.name == TABLE_FILE:
         return str(path.absolute().parent)
     try:
         marked = is_catalogue(path)
@@ -51,7 +50,7 @@ def opened_catalogue(path: str, progress: ProgressReport = no_progress) -> OpenC
 
     folder = catalogue_folder(path) or path
     progress(0.0, "reading the catalogue")
-    stamp = stamp_of(os.path.join(folder, TABLE))
+    stamp = stamp_of(os.path.join(folder, TABLE_FILE))
     catalogue = Catalogue.open(Path(folder))
     progress(0.7, "sorting it for searches")
     return OpenCatalogue(folder, catalogue, Searcher(catalogue), stamp)
@@ -66,14 +65,10 @@ def decoded_thumbnails(catalogue: Searched, paths: Iterable[str]) -> dict[str, B
 
 def decoded(png: bytes | None) -> Bytes | None:
     """The pixels of a PNG (H, W, 3); None where there are none or they are damaged."""
-    if not png:
-        return None
-    from PIL import Image, UnidentifiedImageError
+    from relgloss_view.catalogue.thumbnail import opened_thumbnail
 
-    try:
-        with Image.open(io.BytesIO(png), formats=("PNG",)) as image:
-            if max(image.size) > LARGEST_PX:
-                image.thumbnail((LARGEST_PX, LARGEST_PX))
-            return np.asarray(image.convert("RGB"))
-    except (UnidentifiedImageError, OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+    image = opened_thumbnail(png)
+    if image is None:
         return None
+    image.thumbnail((LARGEST_PX, LARGEST_PX))  # a smaller one stays as it is
+    return np.asarray(image)

@@ -15,10 +15,11 @@ from imgui_bundle import imgui
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.errors import RelglossError
 from relgloss_view.base.reading import printable
+from relgloss_view.catalogue.columns import TABLE_FILE
 from relgloss_view.catalogue.query.fault import QueryError
 from relgloss_view.viewer.drawing.thumbnails import Thumbnails
 from relgloss_view.viewer.files.background import Worker
-from relgloss_view.viewer.files.catalogue_files import TABLE, decoded_thumbnails
+from relgloss_view.viewer.files.catalogue_files import decoded_thumbnails
 from relgloss_view.viewer.files.pack_edits import Poll
 from relgloss_view.viewer.state.catalogues import (
     TILE_EM,
@@ -240,7 +241,7 @@ class CatalogueActions:
         self.thumbnails.give(pictures)
 
     def _look_for_changes(self, opened: OpenCatalogue) -> None:
-        table = os.path.join(opened.folder, TABLE)
+        table = os.path.join(opened.folder, TABLE_FILE)
         self._poll.watch((table,))
         whole = self._poll.whole(table)
         if whole is not None and whole != opened.stamp and not self.changed:

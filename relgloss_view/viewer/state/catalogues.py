@@ -15,7 +15,7 @@ from relgloss_view.base.reading import printable
 from relgloss_view.base.shell import command_line, operand
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.base.words import sentence_case
-from relgloss_view.catalogue.columns import DONE
+from relgloss_view.catalogue.columns import DONE, LAB
 from relgloss_view.catalogue.query.fault import QueryError
 
 if TYPE_CHECKING:
@@ -256,7 +256,7 @@ def _computed(hit: Hit, found: Found) -> list[str]:
 
 
 def _colour(row: Row) -> list[str]:
-    lab = [_number(row.get(name)) for name in ("L_star", "a_star", "b_star")]
+    lab = [_number(row.get(name)) for name in LAB]
     if any(one is None for one in lab):
         return []
     # Rounded to nothing, a negative number has no sign.

@@ -2,7 +2,7 @@
 
 import { COLUMNS, MISSING, fact, labOf, pictureOf, wholeWords, words } from "./data.js";
 import { deltaE2000 } from "./difference.js";
-import { button, byId, copy, make, say } from "./dom.js";
+import { button, byId, copyButton, make, say } from "./dom.js";
 
 function picture(row) {
   const source = pictureOf(row);
@@ -20,7 +20,7 @@ function links(row) {
   }
   const command = fact("command", row);
   const line = command ? make("div", { class: "command" }, make("p", { class: "quiet", text: say("command") }),
-    make("code", { text: command }), button(say("copy"), () => copy(command))) : null;
+    make("code", { text: command }), copyButton(say("copy"), () => command)) : null;
   return [list, line];
 }
 

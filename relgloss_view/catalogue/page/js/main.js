@@ -2,7 +2,7 @@
 
 import { COLUMNS, COUNT, wholeWords, words, valuesOf } from "./data.js";
 import { MOST_PICKED, SIZES, asFragment, distancesOf, found, isAsked, ofFragment, unasked } from "./filters.js";
-import { announce, button, byId, copy, make, say } from "./dom.js";
+import { announce, button, byId, copyButton, make, say } from "./dom.js";
 import { openItem, showTray } from "./details.js";
 import { List } from "./list.js";
 import { mountPanel } from "./panel.js";
@@ -49,7 +49,7 @@ const size = make("input", {
 byId("tools").replaceChildren(make("output", { id: "count" }), make("label", { class: "row" }, make("span", { text: say("sort") }), sortBy), way,
   make("div", { class: "segments", role: "group", "aria-label": say("view") }, views.grid, views.table),
   make("label", { class: "row size" }, make("span", { text: say("size") }), size),
-  button(say("csv"), () => copy(asCsv())), button(say("clear"), () => {
+  copyButton(say("csv"), asCsv), button(say("clear"), () => {
     const { view, size: kept, picked } = asked;
     asked = { ...unasked(), view, size: kept, picked };
     change({});
