@@ -43,7 +43,8 @@ def material_places(paths: Iterable[str]) -> dict[str, str]:
 
 
 def parts_within(place: str) -> tuple[str, ...]:
-    """The names of a path below the catalogue's folder; () for one that leads out of it, or that no system takes.
+    """The names of a path below the catalogue's folder; () for one that leads out of
+    it, or that no system takes.
 
     >>> parts_within("materials/lot 1/paper.json"), parts_within("../paper.json")
     (('materials', 'lot 1', 'paper.json'), ())
