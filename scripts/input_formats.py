@@ -26,7 +26,7 @@ _SAMPLES = (
     "Name Id ColorCIELab Spectrum_Reflectance Spectrum_Transmittance SingleAngle SphereGeometry"
 )
 #: The words of each reader's formats, any of which may stand in another's place.
-VOCABULARY = {
+VOCABULARY: dict[str, str] = {
     "measurement": _TABLE,
     "declared": _TABLE,
     "zemax": "Source Symmetry PlaneSymmetrical ASymmetrical Asymmetrical4D SpectralContent "
@@ -51,6 +51,31 @@ VOCABULARY = {
     "samples": _SAMPLES,
     "lamp": "nm wavelength power sep=, counts W/nm um 400nm %",
     "estimate": "20= 60= 75= 85= 20=12.3 60=45 nan inf -0 1e308 , ; = 46,-50,25 D65 D50 A",
+}
+_MTLX = (
+    "materialx surfacematerial open_pbr_surface standard_surface gltf_pbr UsdPreviewSurface input "
+    "output nodegraph nodename interfacename constant dot convert value in type name float color3 "
+    "string colorspace srgb_texture lin_rec709 acescg surfaceshader base_color base_weight "
+    "specular_roughness specular_ior coat_weight base_metalness metalness roughness ior include "
+    "relgloss_material relgloss_digest 0.5,0.5 displacementshader"
+)
+_GLTF = (
+    "asset version materials pbrMetallicRoughness baseColorFactor metallicFactor roughnessFactor "
+    "baseColorTexture metallicRoughnessTexture extensions KHR_materials_specular specularFactor "
+    "specularColorFactor KHR_materials_ior ior KHR_materials_clearcoat clearcoatFactor index "
+    "source textures images bufferViews buffers byteLength byteOffset uri extras relgloss finishes "
+    "digest material surface KHR_materials_unlit KHR_materials_pbrSpecularGlossiness alphaMode"
+)
+VOCABULARY |= {
+    "tensor-tree": "{ } {{ }} { 0.1 } TensorTree3 TensorTree4 LBNL/Shirley-Chiu Visible CIE-u "
+    "CIE-v Reflection Front Back Transmission ScatteringData Wavelength AngleBasis BTDF BRDF",
+    "mtlx": _MTLX,
+    "import": f"{_MTLX} {_GLTF}",
+    "gltf-material": _GLTF,
+    "query": "gloss 20 60 75 85 between and or not but ( ) ((((( ))))) , ; within dE dE76 of 50,20 "
+    "colour near looks x as glossy like nearest to cast-coated uncoated name contains is \" ' sort "
+    "by order descending first top limit > < >= <= = != haze lobe width quality good kind table "
+    "empty known L* a* b* closeness * % nan inf 1e999 -1e308 /dev/zero . .. / all",
 }
 _COUNTS = (
     b"0", b"-1", b"1", b"2", b"3", b"7", b"1000", b"100000", b"1000000", b"9999999", b"10000000",

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import input_catalogue as exchanged
 import numpy as np
 from made_profiles import D50, assembled, calibration_tags, table_profile, xyz_tag
 
@@ -78,6 +79,16 @@ def readers() -> dict[str, Reader]:
         Reader("session", ".sqlite", _session, _sessions, 2.0),
         Reader("proof", ".html", _proof, _proofs, 2.0),
         Reader("sealed", ".html", _sealed, _sealed_values, 2.0),
+        Reader("tensor-tree", ".xml", _measurement, exchanged.tensor_trees),
+        Reader("mtlx", ".mtlx", exchanged.described, exchanged.material_x),
+        Reader("gltf-material", ".gltf", exchanged.described, exchanged.gltf_materials),
+        Reader("own-block", ".mtlx", exchanged.own_block, exchanged.own_blocks),
+        Reader("import", ".mtlx", exchanged.searched, _described_files, 0.02),
+        Reader("store-item", ".json", exchanged.store_item, exchanged.records, may_ignore=True),
+        Reader("catalogue", ".parquet", exchanged.catalogue_table, exchanged.tables_of_catalogues),
+        Reader("recipe", ".json", exchanged.recipe, exchanged.recipes),
+        Reader("mark", ".json", exchanged.marked, exchanged.marks, 0.2, may_ignore=True),
+        Reader("query", ".txt", exchanged.query, exchanged.queries),
     )
     return {reader.name: reader for reader in listed}
 
@@ -735,6 +746,10 @@ def _sample_files() -> list[bytes]:
     )
     made = [text.encode() for text in (chart, argyll, table, cxf)]
     return [*made, chart.encode("utf-16"), *map(_few_objects, _real("data/formats/*.cxf"))]
+
+
+def _described_files() -> list[bytes]:
+    return [*exchanged.material_x(), *exchanged.gltf_materials()]
 
 
 def _few_objects(cxf: bytes) -> bytes:

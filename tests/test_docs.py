@@ -104,6 +104,21 @@ def test_the_shaders_page_has_each_file_and_its_twin():
         assert missing_in(places) == [], library
 
 
+def test_catalogue_shows_every_column():
+    from relgloss_view.catalogue.columns import COLUMNS
+
+    text = (ROOT / "docs" / "catalogue.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(\w+)` \| ([\w ]+) \| ([\w ]*?) ?\| (.+) \|$", text, re.M)
+    assert rows == [(one.name, one.kind, one.unit, one.meaning) for one in COLUMNS]
+
+
+def test_exchange_shows_every_ending():
+    from relgloss_view.exchange.formats import FORMATS
+
+    text = (ROOT / "docs" / "exchange.md").read_text(encoding="utf-8")
+    assert set(FORMATS) <= set(re.findall(r"^\| `(\.\w+)` \|", text, re.M))
+
+
 def test_links_lead_somewhere():
     targets = [
         (document.parent / target, f"{document.name}: {target}")

@@ -14,12 +14,12 @@ from relgloss_view.base.reading import named, printable, refuse
 from relgloss_view.catalogue import table
 from relgloss_view.catalogue.columns import TABLE_FILE
 from relgloss_view.catalogue.places import parts_within
-from relgloss_view.catalogue.recipe import Recipe
+from relgloss_view.catalogue.recipe import MOST_THUMBNAIL_PX, Recipe
 from relgloss_view.catalogue.tree import FORMAT, MARK, is_catalogue
+from relgloss_view.gloss.samples import GLOSSES
 from relgloss_view.material.files import load_material
 from relgloss_view.material.material import Material
 
-VERSION = 1
 REMEDY = "give the folder that `relgloss catalogue build` has made"
 
 
@@ -53,8 +53,8 @@ class Catalogue:
                 f"{named(place)}: holds no table yet, because its build did not end; build it again"
             )
         metadata = table.read_metadata(path)
-        if metadata.get("format") != FORMAT or metadata.get("version") != VERSION:
-            refuse(f"{named(path)}: version", f"{VERSION}", metadata.get("version"))
+        if metadata.get("format") != FORMAT or metadata.get("version") != table.VERSION:
+            refuse(f"{named(path)}: version", f"{table.VERSION}", metadata.get("version"))
         return cls(place, recipe_of(metadata.get("recipe"), path), metadata)
 
     @property
@@ -111,6 +111,26 @@ def recipe_of(content: object, place: Path) -> Recipe:
     try:
         values = dict(content)  # type: ignore[call-overload]
         values.pop("revision")
-        return Recipe(**values)
+        recipe = Recipe(**values)
+        _check(recipe)
+        return recipe
     except (TypeError, ValueError, KeyError) as error:
         raise InputError(f"{named(place)}: holds no recipe ({MARK} and it differ?)") from error
+
+
+def _check(recipe: Recipe) -> None:
+    """Raise ValueError where a value is none that a recipe holds."""
+    numbers = [recipe.reference_sigma_n_deg]
+    numbers += [] if recipe.reference_c is None else [recipe.reference_c]
+    is_number = [isinstance(v, int | float) and not isinstance(v, bool) for v in numbers]
+    options = (recipe.fit, recipe.table)
+    right = (
+        isinstance(recipe.reference, str | dict)
+        and all(is_number)
+        and recipe.gloss in GLOSSES
+        and type(recipe.thumbnail_px) is int
+        and 1 <= recipe.thumbnail_px <= MOST_THUMBNAIL_PX
+        and all(isinstance(one, dict) for one in options)
+    )
+    if not right:
+        raise ValueError("a value of a recipe")

@@ -43,13 +43,14 @@ def material_places(paths: Iterable[str]) -> dict[str, str]:
 
 
 def parts_within(place: str) -> tuple[str, ...]:
-    """The names of a path below the catalogue's folder; () for one that leads out of it.
+    """The names of a path below the catalogue's folder; () for one that leads out of
+    it, or that no system takes.
 
     >>> parts_within("materials/lot 1/paper.json"), parts_within("../paper.json")
     (('materials', 'lot 1', 'paper.json'), ())
     """
     path = PurePosixPath(place)
-    leads_out = path.is_absolute() or ".." in path.parts or "\\" in place
+    leads_out = path.is_absolute() or ".." in path.parts or "\\" in place or "\0" in place
     return () if leads_out else path.parts
 
 

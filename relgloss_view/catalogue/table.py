@@ -19,11 +19,22 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.json_files import parse_json
 from relgloss_view.base.reading import check_regular, named, printable
 from relgloss_view.base.writing import whole_file
-from relgloss_view.catalogue.columns import BYTES, COLUMNS, FLAG, NAMES, NUMBER, TEXT, WHOLE, Column
+from relgloss_view.catalogue.columns import (
+    BY_NAME,
+    BYTES,
+    COLUMNS,
+    FLAG,
+    NAMES,
+    NUMBER,
+    TEXT,
+    WHOLE,
+    Column,
+)
 from relgloss_view.catalogue.store import faults_of
 
 VERSION = 1  #: of the table
 KEY = b"relgloss.catalogue"  #: of the JSON object in the file's metadata
+MOST = 1e100  #: of a number; a table that somebody else has written may hold any
 ROWS = 200  #: of a row group, which is what the writer holds in memory
 EXPECTED = "the table of a catalogue (Parquet, from `relgloss catalogue build`)"
 _TYPES = {
@@ -94,6 +105,12 @@ def read_rows(path: Path, names: Collection[str] | None = None) -> list[dict[str
         # In parts: pyarrow keeps all other threads from working while it makes values of a table.
         for k in range(file.num_row_groups):
             rows += file.read_row_group(k, columns=wanted).to_pylist()
+    numbers = [name for name in wanted if BY_NAME[name].kind == NUMBER]
+    for row in rows:
+        for name in numbers:
+            value = row[name]
+            if value is not None and not -MOST <= value <= MOST:  # not of a build; nan too
+                row[name] = None
     return rows
 
 

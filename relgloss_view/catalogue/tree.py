@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -113,17 +114,27 @@ def _files(top: str, faults: list[str]) -> Iterator[str]:
         for one in found:
             if one.name.startswith("."):
                 continue
-            if one.is_dir():
-                if one.is_symlink() and _is_within(top, os.path.realpath(one.path)):
-                    continue  # it is in the tree under its own name
+            kind = _kind_of_entry(one)
+            if kind == "folder":
+                real = os.path.realpath(one.path)
+                if one.is_symlink() and (_is_within(top, real) or _is_within(real, top)):
+                    continue  # it is in the tree under its own name, or holds the tree
                 if _identity(one.path) in entered or depth + 1 >= MOST_DEPTH:
                     continue
                 if not is_catalogue(one.path):
                     entered.add(_identity(one.path))
                     folders.append((one.path, depth + 1))
-            elif one.is_file():
+            elif kind == "file":
                 yield one.path
         waiting.extend(reversed(folders))
+
+
+def _kind_of_entry(one: os.DirEntry[str]) -> str:
+    """folder, file, or nothing: a pipe, a device, a link that leads nowhere or in a circle."""
+    try:
+        return "folder" if one.is_dir() else "file" if one.is_file() else ""
+    except OSError:
+        return ""
 
 
 def _identity(folder: str) -> tuple[int, int]:
@@ -154,12 +165,13 @@ def _entry(top: str, file: str) -> Entry | None:
     kind = kind_of(file, head, size)
     if kind is None:
         return None
-    digest = hashlib.sha256()
+    digest, size = hashlib.sha256(), 0
     try:
         with open_regular(file, EXPECTED) as opened:
             while block := opened.read(READ_AT_ONCE):
                 checkpoint()
                 digest.update(block)
+                size += len(block)
     except (InputError, OSError) as error:
         return Entry(file, path, kind, size, fault=f"can't be read ({_reason(str(error), file)})")
     return Entry(file, path, kind, size, digest.hexdigest())
@@ -196,6 +208,9 @@ MOST_DOUBTFUL = 1000
 _DATA = (".csv", ".txt", ".tsv", ".json", ".html", ".bsdf", ".binary", ".xml", ".cxf", ".astm")
 
 
+_SHOWN = re.compile(r"\\x.*~[0-9a-f]{8}\Z", re.DOTALL)  #: what text_of makes of a name
+
+
 def _kind_by_name(file: str) -> str:
     lower = file.lower()
     return MATERIAL if lower.endswith(".json") else PROOF if lower.endswith(".html") else TABLE
@@ -208,13 +223,18 @@ def _reason(text: str, file: str) -> str:
 def text_of(path: str) -> str:
     r"""A path as text that any file can hold; a name that is no UTF-8 gets a digest behind it.
 
+    So does a name that looks as if it had got one: two paths never have the same text.
+
     >>> text_of("lot/paper.csv"), text_of("a\udcff.csv")
     ('lot/paper.csv', 'a\\xff.csv~9ee97a19')
     """
     try:
         path.encode("utf-8")
     except UnicodeEncodeError:
-        data = os.fsencode(path)
-        shown = data.decode("utf-8", "backslashreplace")
-        return f"{shown}~{hashlib.sha256(data).hexdigest()[:8]}"
-    return path
+        shown = os.fsencode(path).decode("utf-8", "backslashreplace")
+        return f"{shown}~{_digest_of(path)}"
+    return f"{path}~{_digest_of(path)}" if _SHOWN.search(path) else path
+
+
+def _digest_of(path: str) -> str:
+    return hashlib.sha256(os.fsencode(path)).hexdigest()[:8]

@@ -16,6 +16,7 @@ from relgloss_view.base.csv_files import read_csv
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.version import PROGRAM
+from relgloss_view.base.visible import visible
 from relgloss_view.base.writing import whole_file
 from relgloss_view.exchange.channels import metal_notes
 from relgloss_view.exchange.formats import Exported, ExportOptions
@@ -59,7 +60,8 @@ def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported
     }
     if grid.columns == tuple(gcms.COLUMNS):
         facts["gamma_s_deg"] = f"{GAMMA_S_DEG:g}"
-    lines = [f"# {key}: {' '.join(value.split())}" for key, value in facts.items()]
+    # A control character in a name would make the table no text, also for our own reader.
+    lines = [f"# {key}: {visible(' '.join(value.split()))}" for key, value in facts.items()]
     lines += [f"# {note}" for note in notes]
     heads = (
         [f"{nm:g}" for nm in what.bands.wavelengths_nm]

@@ -30,6 +30,7 @@ SIZE = (512, 512)
 #: Rows of the picture's upper half that are looked at; the lower half is its mirror image.
 ROWS = 16
 LEAST_LSTAR = 1.0  #: L_s* of a pixel of the highlight
+LEAST_C = 0.01
 AZIMUTH_DEG = 50.0  #: the paper's lamp
 PERCENTILE = 95.0
 
@@ -83,12 +84,17 @@ def difference(picture: Picture, other: Seen) -> tuple[float, float]:
 
 
 def picture_of(own: Seen) -> Picture:
-    """The picture of a surface, at the largest c that cuts nothing (eq. 4), at most 1."""
+    """The picture of a surface, at the largest c that cuts nothing (eq. 4), at most 1.
+
+    A body as light as white leaves no such c: its highlight is judged at 1 then, beyond white,
+    because at 0 nothing would ever be lost.
+    """
     l_d = cielab.lightness(own.diffuse[:, 1])
     l_s = cielab.lightness(own.diffuse[:, 1] + own.specular[:, 1]) - l_d
     bright = l_s > 1e-6
     limits = (100.0 - l_d[bright]) / l_s[bright]
-    c = float(np.clip(np.min(limits, initial=1.0), 0.0, 1.0))
+    c = float(min(np.min(limits, initial=1.0), 1.0))
+    c = c if c >= LEAST_C else 1.0
     picture = Picture(np.zeros((len(l_d), 3)), l_d, l_s > LEAST_LSTAR, c)
     return picture._replace(lab=scaled(picture, own))
 

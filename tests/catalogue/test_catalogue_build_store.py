@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import random
@@ -22,7 +23,9 @@ from relgloss_view.catalogue import build as building
 from relgloss_view.catalogue.build import BuildOptions, build
 from relgloss_view.catalogue.catalogue import Catalogue
 from relgloss_view.catalogue.engine import EngineOptions, Lost
+from relgloss_view.catalogue.item import Item
 from relgloss_view.catalogue.recipe import Recipe
+from relgloss_view.catalogue.store import Store
 
 KEEP = BuildOptions(keep_going=True)
 
@@ -317,6 +320,33 @@ def test_two_workers_give_the_bytes_of_one(tmp_path):
         options = BuildOptions(EngineOptions(workers=workers))
         build(tree, tmp_path / str(workers), recipe, options)
     assert contents(tmp_path / "1") == contents(tmp_path / "2")
+
+
+@pytest.mark.parametrize("change", ["key", "type", "name", "text", "body"])
+def test_a_record_with_a_true_digest_and_wrong_content_counts_as_none(change, tmp_path):
+    """It is removed, so that a build is never told twice that its store was changed."""
+    recipe, key, other = Recipe(), "ab" * 32, "cd" * 32
+    store = Store(tmp_path)
+    row = {"path": "a.csv", "kind": "table", "status": "failed", "fault": "x", "bytes": 3}
+    store.put(key, Item(row, failed_in="file"), recipe)
+    place = tmp_path / "items" / key[:2] / f"{key}.json"
+    assert store.kept(key) is not None
+    assert store.item(key) is not None
+    head, body = (json.loads(line) for line in place.read_bytes().split(b"\n")[1:])
+    if change == "key":
+        head["key"] = other
+    elif change == "type":
+        body["row"]["gloss_60"] = "high"
+    elif change == "name":
+        body["row"]["colour"] = 1
+    elif change == "text":
+        body["row"]["fault"] = "\ud800"
+    lines = [json.dumps(head).encode(), b"[]" if change == "body" else json.dumps(body).encode()]
+    data = b"\n".join(lines)
+    place.write_bytes(hashlib.sha256(data).hexdigest().encode() + b"\n" + data)
+    assert store.item(key) is None
+    assert not place.exists()
+    assert store.kept(key) is None
 
 
 MEMORY = """

@@ -15,9 +15,10 @@ from relgloss_view.base.resources import asset
 from relgloss_view.catalogue import build as building
 from relgloss_view.catalogue import tree as trees
 from relgloss_view.catalogue.build import BuildOptions, build
-from relgloss_view.catalogue.catalogue import Catalogue
+from relgloss_view.catalogue.catalogue import Catalogue, recipe_of
 from relgloss_view.catalogue.places import LONGEST_PATH, material_places
 from relgloss_view.catalogue.recipe import Recipe
+from relgloss_view.catalogue.table import read_rows, write_table
 from relgloss_view.catalogue.tree import scan
 from relgloss_view.catalogue.work import close_renderer, make_item
 from relgloss_view.material.files import load_material
@@ -38,6 +39,7 @@ HOSTILE = [
     "=cmd.json",
     "-o.json",
     os.fsdecode(b"\xff\xfe.json"),
+    "\\xff\\xfe.json~15f7e6f5",
     "\\xff\\xfe.json",
 ]
 
@@ -78,6 +80,9 @@ def test_links_are_followed_once_and_never_in_a_circle(tmp_path):
     (other / "back").symlink_to(other)
     (tree / "gone.json").symlink_to(tmp_path / "nothing")
     (tree / "linked.json").symlink_to(other / "board.json")
+    (tree / "up").symlink_to("..")
+    (tree / "ring.json").symlink_to(tree / "gnir.json")
+    (tree / "gnir.json").symlink_to(tree / "ring.json")
     os.mkfifo(tree / "pipe.json")
     assert paths_of(tree) == ["a/paper.json", "linked.json", "other/board.json"]
 
@@ -255,3 +260,30 @@ def test_files_named_as_tables_that_are_none_are_listed(tmp_path) -> None:
     found = scan(tmp_path)
     assert found.passed_over == 2
     assert found.doubtful == ("lot/invoice.csv",)
+
+
+def test_a_name_that_looks_like_one_of_no_text_has_another_path(tmp_path):
+    """What stands for a name that is no UTF-8 may be the name of another file."""
+    odd = os.fsdecode(b"a\xff.json")
+    path = trees.text_of(odd)
+    assert trees.text_of(path) != path
+    assert trees.text_of("a\\xff.json") == "a\\xff.json"  # the control: a plain backslash
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"gloss": [60]}, {"gloss": "gloss-61"}, {"thumbnail_px": 10**9}, {"thumbnail_px": True},
+     {"reference": 3}, {"reference_c": "1"}, {"reference_sigma_n_deg": None}, {"fit": [1]}],
+)  # fmt: skip
+def test_a_recipe_of_wrong_values_is_refused(change, tmp_path):
+    recipe_of(Recipe().as_json(), tmp_path)  # the control
+    with pytest.raises(InputError, match="holds no recipe"):
+        recipe_of({**Recipe().as_json(), **change}, tmp_path)
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 1e308])
+def test_numbers_that_no_build_writes_are_read_as_empty(value, tmp_path):
+    path = tmp_path / "catalogue.parquet"
+    rows = [{"path": "a", "gloss_60": value}, {"path": "b", "gloss_60": 40.0}]
+    write_table(path, rows, {}, path)
+    assert [row["gloss_60"] for row in read_rows(path)] == [None, 40.0]

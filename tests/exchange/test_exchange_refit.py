@@ -146,3 +146,13 @@ def test_matter_without_a_lobe_is_refitted_too():
     assert refit.surface.base_color == pytest.approx((0.2,) * 3, abs=0.01)
     mirror = Material("mirror", "by hand", RGB, gray.diffuse, (Lobe((1.0,), 1e-3),))
     assert math.isfinite(refit_openpbr(mirror).loss.de2000_p95)
+
+
+def test_the_highlight_of_a_body_beyond_white_is_judged():
+    """At its own c of 0 each lobe would look alike, and a file would lose nothing whatever."""
+    body = Diffuse("lambert", (1.5, 1.5, 1.5), 0.0)
+    lobes = (Lobe((1.0,), 5.0, 1.5),)
+    fluorescent = Material("x", "synthetic", RGB, body, lobes)
+    without = Material("x", "synthetic", RGB, body, ())
+    assert judge.compare(fluorescent, fluorescent).de2000_p95 == 0.0  # the control
+    assert judge.compare(fluorescent, without).de2000_p95 > 3.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import html
 import subprocess
 import xml.etree.ElementTree as ElementTree
@@ -216,6 +217,14 @@ class TestCsv:
         assert message in str(error.value)
         assert "\n" not in str(error.value)
         assert not (tmp_path / "a.csv").exists()
+
+    def test_a_name_of_controls_leaves_a_table_that_is_read(self, tmp_path):
+        name = "a\x00\x1b[31m\x7f\n# quantity: brdf"
+        table = tmp_path / "a.csv"
+        csv_out.write(dataclasses.replace(matt(), name=name), table, ExportOptions())
+        assert b"\x00" not in table.read_bytes()
+        assert b"\x1b" not in table.read_bytes()
+        assert read_measurement(table).quantity == "radiance-factor"
 
     @pytest.mark.parametrize("grid", ["in-plane:0", "in-plane:x", "in-plane:nan", "everywhere"])
     def test_wrong_grids(self, tmp_path, grid):

@@ -39,7 +39,6 @@ SEARCH_HELP = (
 MOST_TEXT = 400  #: characters of a message under the field
 SIZE_EM, SORT_EM = 6.5, 12.0  #: widths of the slider and of the list of orders
 APART_EM = 40.0  #: a panel as wide has search, order and size in one line
-LEAST_SEARCH_EM = 10.0
 
 
 def show(files: FileActions) -> None:
