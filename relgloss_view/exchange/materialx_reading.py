@@ -72,6 +72,12 @@ def _chosen(path: Path, root: Element, part: str | None) -> Element:
     found = {e.get("name", ""): e for e in root if e.tag == "surfacematerial"}
     if not found:
         found = {e.get("name", ""): e for e in root if e.tag in models.MODELS}
+    if not found and any(e.tag == "shaderref" for e in root.iter()):
+        raise InputError(
+            f"{named(path)}: MaterialX {printable(root.get('version'), 10)}, which names its "
+            "surfaces by shaderref; expected 1.38 or later: MaterialX itself, and programs that "
+            "use it, read it and save it as such"
+        )
     if not found:
         known = ", ".join(models.MODELS)
         included = f"; {INCLUDE}" if any(e.tag == "include" for e in root) else ""

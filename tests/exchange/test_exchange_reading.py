@@ -243,6 +243,18 @@ def test_every_input_of_the_standard_library_is_known():
     assert seen == set(MODELS)
 
 
+def test_a_file_of_an_old_version_is_named_as_such(tmp_path):
+    """MaterialX's plastic as its repository held it for 1.36."""
+    path = tmp_path / "old.mtlx"
+    path.write_text(
+        '<materialx version="1.36"><material name="Plastic"><shaderref name="SR_plastic" '
+        'node="standard_surface"><bindinput name="base" type="float" value="1" /></shaderref>'
+        "</material></materialx>"
+    )
+    with pytest.raises(InputError, match=r"MaterialX 1\.36, .*expected 1\.38 or later"):
+        read(path)
+
+
 def test_no_lobe_is_narrower_than_the_description(tmp_path):
     """MaterialX's pearl (OpenPBR): a coat of alpha 0.0225 has a distinctness of image near 0.
 
