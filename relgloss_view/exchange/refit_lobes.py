@@ -10,7 +10,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.exchange.loss import Loss, Surface
-from relgloss_view.exchange.search import Family, Unknown, nearest
+from relgloss_view.exchange.search import Family, Found, Unknown, nearest
 from relgloss_view.material.described import DescribedRecord
 from relgloss_view.material.material import (
     S_DEG_DRAWN,
@@ -51,12 +51,19 @@ def refit_lobes(
     of a dielectric.
     """
     widths = [_width_deg(alpha) for alpha in alphas] or [10.0]
-    families = _families(name, source, colour, widths, f0, index)
-    best, *_ = nearest(surface, families)
-    material = best.surface
-    assert isinstance(material, Material)
+    best, material = _nearest(surface, _families(name, source, colour, widths, f0, index))
+    least = max(S_DEG_DRAWN, LEAST_WIDTH * min(widths))
+    if any(lobe.s_deg < least for lobe in material.specular):
+        families = _families(name, source, colour, widths, f0, index, least)
+        best, material = _nearest(surface, families)
     record = DescribedRecord(model, dict(parameters), not_carried, losses_of(best.loss))
     return _with_record(material, record)
+
+
+def _nearest(surface: Surface, families: tuple[Family, ...]) -> tuple[Found, Material]:
+    best, *_ = nearest(surface, families)
+    assert isinstance(best.surface, Material)
+    return best, best.surface
 
 
 def losses_of(loss: Loss) -> dict[str, float]:
@@ -83,8 +90,9 @@ def _families(
     widths: list[float],
     f0: Sequence[float] | None,
     index: float,
+    low: float = S_DEG_DRAWN,
 ) -> tuple[Family, ...]:
-    low, high = max(S_DEG_DRAWN, LEAST_WIDTH * min(widths)), S_DEG_MAX
+    high = S_DEG_MAX
     body = (
         *(Unknown(min(max(v, 0.005), 0.99), 0.0, 1.0) for v in colour),
         Unknown(5.0, 0.0, SIGMA_DEG_MAX),
