@@ -296,7 +296,7 @@ class TestAnyText:
 
     @staticmethod
     def check(text):
-        start = time.perf_counter()
+        start = time.process_time()
         try:
             query = parse(text)
         except InputError as error:
@@ -304,7 +304,7 @@ class TestAnyText:
             assert 0 <= error.at <= error.end <= len(text) or not text
         else:
             assert query.text == text
-        assert time.perf_counter() - start < LONGEST_S
+        assert time.process_time() - start < LONGEST_S
 
     @given(st.text(max_size=200))
     @example("gloss 60 between ")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import time
 
 import numpy as np
 import pytest
@@ -180,26 +179,3 @@ def test_wide_lobes_are_served_by_the_compressed_windows():
     few = compressed(meter, meter.windows[0])
     assert few.serves(meter, meter.windows[0], np.radians(2.0))
     assert not few.serves(meter, meter.windows[0], np.radians(0.05))
-
-
-def test_nothing_of_a_material_is_kept():
-    """The speed is no memory of materials: a second reading of the same one takes as long."""
-    material = load_sample("art-coated")
-    gloss_readings(load_sample("cast-coated"))  # the meters' own nodes are made
-    taken = []
-    for _ in range(6):
-        before = time.process_time()
-        gloss_readings(material)
-        taken.append(time.process_time() - before)
-    assert taken[0] < 4.0 * min(taken[1:])
-
-
-def test_a_fitted_paper_is_read_ten_times_as_fast_as_by_the_plain_sums():
-    """A ratio inside one process: 5 to 12 ms here, where the plain sums take 200 ms and more."""
-    material = load_sample("art-coated")
-    gloss_readings(material)
-    before = time.process_time()
-    Control().readings(material)
-    between = time.process_time()
-    gloss_readings(material)
-    assert time.process_time() - between < 0.1 * (between - before)
