@@ -81,6 +81,7 @@ def test_a_task_that_kills_its_worker_is_lost_alone():
     assert got == {f"square {n}": work.square(n) for n in range(20) if n not in (6, 7)}
 
 
+@pytest.mark.slow
 def test_a_task_that_takes_all_memory_is_lost(monkeypatch):
     monkeypatch.setattr(cluster_processes, "MEMORY_SHARE", 1.0)
     monkeypatch.setattr("distributed.system.MEMORY_LIMIT", 600_000_000)

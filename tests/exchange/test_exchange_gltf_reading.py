@@ -94,6 +94,7 @@ def test_no_coat_is_a_bright_point_in_a_matt_highlight():
             assert surface.clearcoat_roughness > 0.5 * surface.roughness
 
 
+@pytest.mark.slow
 def test_a_pack_gives_its_finishes_by_name(tmp_path):
     pack = rg.read_pack("can")
     path = tmp_path / "can.glb"

@@ -255,6 +255,7 @@ def test_a_file_of_an_old_version_is_named_as_such(tmp_path):
         read(path)
 
 
+@pytest.mark.slow
 def test_no_lobe_is_narrower_than_the_description(tmp_path):
     """MaterialX's pearl (OpenPBR): a coat of alpha 0.0225 has a distinctness of image near 0.
 

@@ -138,6 +138,7 @@ def test_a_lobe_that_ggx_is_comes_back():
     assert found.loss.de2000_p95 < 0.1
 
 
+@pytest.mark.slow
 def test_matter_without_a_lobe_is_refitted_too():
     gray = Material("gray", "by hand", RGB, Diffuse("lambert", (0.2, 0.2, 0.2)))
     refit = refit_openpbr(gray)

@@ -134,13 +134,13 @@ def test_finishes_read_as_by_the_plain_sums(name):
     assert_same(finish(name))
 
 
-@pytest.mark.parametrize("k", range(3))
+@pytest.mark.parametrize("k", range(1))
 def test_random_materials_read_as_by_the_plain_sums(k):
     assert_same(random_material(k))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("k", range(3, 40))
+@pytest.mark.parametrize("k", range(1, 40))
 def test_more_random_materials(k):
     assert_same(random_material(k))
 
