@@ -41,7 +41,7 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read the material, write it, then print what it is and what was not carried."""
     from relgloss_view.exchange.formats import reader_of
-    from relgloss_view.exchange.loss import MOST_DE2000
+    from relgloss_view.exchange.loss import MOST_DE2000, Loss
     from relgloss_view.material.files import save_material
 
     path = Path(args.file)
@@ -65,9 +65,9 @@ def run(args: argparse.Namespace) -> int:
     if record is None:
         print("the file holds the material that relgloss wrote, and its parameters are unchanged")
     elif record.losses:
-        losses = ", ".join(f"{name} {value:.3g}" for name, value in record.losses.items())
-        print(f"fitted to {record.model}; lost: {losses}")
-        if record.losses.get("de2000_p95", 0.0) > MOST_DE2000:
+        loss = Loss.of_json(record.losses)
+        print(f"{loss.verdict}\nfitted to {record.model}: {loss.words}")
+        if loss.de2000_p95 > MOST_DE2000:
             warn(
                 "the material shows another highlight than the description: our lobes have no "
                 "such tails; compare the pictures before you use it"

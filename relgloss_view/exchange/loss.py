@@ -96,6 +96,12 @@ class Loss:
         ]
         return "; ".join(parts)
 
+    @classmethod
+    def of_json(cls, content: dict[str, Any]) -> Loss:
+        """The loss that `as_json` has written."""
+        units = {key: (pair[0], pair[1]) for key, pair in content["gloss_units"].items()}
+        return cls(content["de2000_p95"], content["de2000_max"], units)
+
     def as_json(self) -> dict[str, Any]:
         """The loss as files of other programs and `--json` hold it."""
         return {

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import Array
-from relgloss_view.exchange.loss import Loss, Surface
+from relgloss_view.exchange.loss import Surface
 from relgloss_view.exchange.search import Family, Found, Unknown, nearest
 from relgloss_view.material.described import DescribedRecord
 from relgloss_view.material.material import (
@@ -56,7 +56,7 @@ def refit_lobes(
     if any(lobe.s_deg < least for lobe in material.specular):
         families = _families(name, source, colour, widths, f0, index, least)
         best, material = _nearest(surface, families)
-    record = DescribedRecord(model, dict(parameters), not_carried, losses_of(best.loss))
+    record = DescribedRecord(model, dict(parameters), not_carried, best.loss.as_json())
     return _with_record(material, record)
 
 
@@ -64,12 +64,6 @@ def _nearest(surface: Surface, families: tuple[Family, ...]) -> tuple[Found, Mat
     best, *_ = nearest(surface, families)
     assert isinstance(best.surface, Material)
     return best, best.surface
-
-
-def losses_of(loss: Loss) -> dict[str, float]:
-    """A loss as a DescribedRecord holds it: differences by name."""
-    units = {key: b - a for key, (a, b) in loss.gloss_units.items()}
-    return {"de2000_p95": loss.de2000_p95, "de2000_max": loss.de2000_max, **units}
 
 
 def _with_record(material: Material, record: DescribedRecord) -> Material:

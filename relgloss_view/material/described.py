@@ -24,7 +24,8 @@ class DescribedRecord:
 
     model: of the description, such as 'OpenPBR surface'. parameters: by name, as the file states
     them. not_carried: a line for each thing that the material does not hold. losses: how far the
-    material is from the description, by name: `de2000_p95`, `gloss-60`, ...
+    material is from the description: `de2000_p95`, `de2000_max` and `gloss_units`, as
+    exchange/loss.py writes them.
     """
 
     model: str
