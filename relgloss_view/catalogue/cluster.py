@@ -27,6 +27,7 @@ from relgloss_view.catalogue.engine import MOST_WORKERS, Done, EngineOptions, Lo
 IN_FLIGHT = 2  #: tasks of a worker: one at work, one that waits there
 COUNTED_S = 0.5  #: between two counts of the workers
 ANSWER_S = 10.0  #: so long a scheduler may take to answer
+GONE_S = 2.0  #: so long after a worker has gone, what it did may still be on its way
 SCHEMES = ("tcp://", "tls://")
 
 
@@ -76,8 +77,9 @@ class _Flight:
     """A task that a worker has, or will have."""
 
     task: Task
-    alone: bool
     begun_s: float
+    worker: str | None = None  #: address of the one that has this task alone
+    gone_s: float | None = None  #: when that worker was found gone
 
 
 class _Run:
@@ -94,7 +96,7 @@ class _Run:
         self._flights: dict[Any, _Flight] = {}
         self._completed = as_completed(loop=client.loop, with_results=True, raise_errors=False)
         self._keys = (f"relgloss-{uuid.uuid4().hex[:12]}-{n}" for n in itertools.count())
-        self._known: set[str] = set()  #: names of the workers that the scheduler knows
+        self._known: dict[str, str] = {}  #: names of the scheduler's workers, by address
         self._checked: set[str] = set()  #: addresses of workers that have this program
         self._counted_s = 0.0
         self._seen_s = time.monotonic()  #: when a worker was there last
@@ -113,17 +115,19 @@ class _Run:
                 if task is None:
                     exhausted = True
                 else:
-                    self._submit(task, alone=False)
+                    self._submit(task)
             exhausted = exhausted and not again
-            if exhausted and all(flight.alone for flight in self._flights.values()):
-                while aside and len(self._flights) < len(self._known):
-                    self._submit(aside.popleft(), alone=True)
+            if exhausted and all(flight.worker for flight in self._flights.values()):
+                self._submit_alone(aside)
                 if not aside and not self._flights:
                     return
             self._wait()
             for future, result in self._completed.next_batch(block=False):
-                flight = self._flights.pop(future)
-                self._finish(flight, future, result, done, again, aside)
+                flight = self._flights.pop(future, None)
+                if flight is not None:
+                    self._finish(flight, future, result, done, again, aside)
+            for flight in self._left_behind():
+                self._judge(flight, 1, done, aside)
 
     def _wait(self) -> None:
         """Wait for a result, a short while."""
@@ -155,56 +159,92 @@ class _Run:
             _, error, trace = result
             if not isinstance(error, KilledWorker):
                 raise error.with_traceback(trace)
-            if self._is_at_fault(flight, error.allowed_failures + 1):
-                done(task, Lost(self._evidence.tries(task.key)))
-            else:
-                aside.append(task)
+            self._judge(flight, error.allowed_failures + 1, done, aside)
 
-    def _is_at_fault(self, flight: _Flight, deaths: int) -> bool:
+    def _judge(self, flight: _Flight, deaths: int, done: Done, aside: deque[Task]) -> None:
+        """So many workers have died under a task: it is lost, or tried again alone."""
         if self._processes is None:
             self._evidence.deaths += deaths
-        if not flight.alone:
-            return False
-        took_s = (time.monotonic() - flight.begun_s) / deaths
-        return self._evidence.died(flight.task.key, took_s, len(self._known), deaths=deaths)
+        key = flight.task.key
+        if flight.worker is not None:
+            ended_s = flight.gone_s or time.monotonic()
+            took_s = (ended_s - flight.begun_s) / deaths
+            if self._evidence.died(key, took_s, len(self._known), deaths=deaths):
+                done(flight.task, Lost(self._evidence.tries(key)))
+                return
+        aside.append(flight.task)
 
-    def _submit(self, task: Task, *, alone: bool) -> None:
-        if alone:
+    def _submit(self, task: Task, worker: str | None = None) -> None:
+        """Hand a task to Dask; to one worker alone, if it is named."""
+        if worker is not None:
             self._evidence.begin(task.key)
-        future = self._client.submit(perform, task, self._program, key=next(self._keys), pure=False)
-        self._flights[future] = _Flight(task, alone, time.monotonic())
+        future = self._client.submit(
+            perform,
+            task,
+            self._program,
+            key=next(self._keys),
+            pure=False,
+            workers=None if worker is None else [worker],
+        )
+        self._flights[future] = _Flight(task, time.monotonic(), worker)
         self._completed.add(future)
+
+    def _submit_alone(self, aside: deque[Task]) -> None:
+        """Bind tasks that were set aside to workers that have nothing else, as far as they go."""
+        if not aside:
+            return
+        self._count()  # a worker that has just died would take the blame to the next task
+        taken = {flight.worker for flight in self._flights.values()}
+        for worker in [address for address in self._known if address not in taken]:
+            if aside:
+                self._submit(aside.popleft(), worker)
+
+    def _left_behind(self) -> list[_Flight]:
+        """Take back tasks whose only worker has gone: Dask waits for that worker for ever."""
+        if not self._known:  # nothing is heard: that is the scheduler's silence, or all have gone
+            return []
+        now_s = time.monotonic()
+        left = []
+        for future, flight in list(self._flights.items()):
+            if flight.worker is None or flight.worker in self._known:
+                flight.gone_s = None
+            elif flight.gone_s is None:
+                flight.gone_s = now_s
+            elif now_s > flight.gone_s + GONE_S:
+                del self._flights[future]
+                future.cancel()
+                left.append(flight)
+        return left
 
     def _look(self) -> None:
         """Count the workers, replace dead ones; raises InputError once none is left for long."""
         now_s = time.monotonic()
         if now_s > self._counted_s + COUNTED_S or not self._known:
-            self._counted_s = now_s
-            self._known = self._names()
+            self._count()
             if not self._known:
                 time.sleep(STEP_S)
         if self._processes is not None:
-            self._processes.look(self._known)
+            self._processes.look(set(self._known.values()))
         if self._known:
             self._seen_s = now_s
         elif now_s > self._seen_s + self._options.patience_s:
             raise InputError(self._loss())
 
-    def _names(self) -> set[str]:
+    def _count(self) -> None:
+        """Ask the scheduler for its workers."""
+        self._counted_s = time.monotonic()
         if self._processes is not None:
-            workers = self._client.cluster.scheduler.workers.copy().values()
-            return {str(worker.name) for worker in workers}
-        if self._client.status != "running":
-            return set()
-        try:
-            present = set(
-                self._client.sync(self._client.scheduler.ncores, callback_timeout=ANSWER_S)
-            )
-        except (OSError, TimeoutError, RuntimeError):
-            return set()
-        self._checked &= present
-        self._checked |= checked(self._client, present - self._checked, self._program)
-        return set(self._checked)
+            workers = self._client.cluster.scheduler.workers.copy()
+            self._known = {address: str(worker.name) for address, worker in workers.items()}
+            return
+        present: set[str] = set()
+        if self._client.status == "running":
+            with contextlib.suppress(OSError, TimeoutError, RuntimeError):
+                answer = self._client.sync(self._client.scheduler.ncores, callback_timeout=ANSWER_S)
+                present = set(answer)
+                self._checked &= present
+                self._checked |= checked(self._client, present - self._checked, self._program)
+        self._known = {address: address for address in self._checked & present}
 
     def _loss(self) -> str:
         waited = f"for {self._options.patience_s:g} s; what is done is kept"

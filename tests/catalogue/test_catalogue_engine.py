@@ -66,8 +66,27 @@ def test_processes_give_what_the_loop_gives(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_task_that_kills_its_worker_is_lost_alone():
-    """Its neighbours, which died with it, are done."""
+@pytest.fixture
+def bound(monkeypatch):
+    """By task, the workers that each submission of it was bound to; None where Dask chose."""
+    import distributed
+
+    submitted: dict[str, list[list[str] | None]] = {}
+    submit = distributed.Client.submit
+
+    def spy(client, function, task, *words, workers=None, **more):
+        submitted.setdefault(task.key, []).append(workers)
+        return submit(client, function, task, *words, workers=workers, **more)
+
+    monkeypatch.setattr(distributed.Client, "submit", spy)
+    return submitted
+
+
+def test_a_task_that_kills_its_worker_is_lost_alone(bound):
+    """Its neighbours, which died with it, are done: whoever is tried again has a worker alone.
+
+    Left to itself, Dask may put the deadly task and a neighbour on one worker again and again.
+    """
     tasks = [
         *work.tasks_of(work.square, range(6)),
         *work.tasks_of(work.deadly, [7]),
@@ -79,6 +98,11 @@ def test_a_task_that_kills_its_worker_is_lost_alone():
     assert 3 <= lost.tries <= 6
     assert lost.fault.count("\n") == 0
     assert got == {f"square {n}": work.square(n) for n in range(20) if n not in (6, 7)}
+    for first, *more in bound.values():
+        assert first is None
+        assert all(workers is not None and len(workers) == 1 for workers in more)
+    again = [workers[0] for workers in bound["deadly 7"][1:]]
+    assert len(set(again)) == len(again) == lost.tries  # each try has ended a worker
 
 
 @pytest.mark.slow
