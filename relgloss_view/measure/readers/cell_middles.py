@@ -36,7 +36,8 @@ class Middles(NamedTuple):
 
 def middles_of(tree: Tree, leaves: Ints) -> Middles:
     """The values of a tree at the middles of leaves (M,)."""
-    middle, side = tree.middles(leaves), 0.5 ** tree.levels[leaves]
+    middle: Array = tree.middles(leaves)
+    side: Array = np.ldexp(1.0, -tree.levels[leaves])
     own = np.log(np.maximum(tree.values[leaves], _LEAST))
     taken, most = np.zeros(len(leaves)), np.zeros(len(leaves))
     for d in range(tree.rank):

@@ -47,6 +47,9 @@ STEEPEST_DEG = 89.0
 LARGEST_UNCERTAINTY = 0.05
 #: Share of planes whose highest middle must be certain, or the means are read as they are.
 MOST_PLANES = 0.5
+#: A grazing plane with fewer readings is left out: a fit judges models by whole planes, and a
+#: coarse tree has a cell or two there.
+FEWEST_IN_PLANE = 5
 #: Azimuths of the lamp at which a tree of four dimensions is read; those of three depend on none.
 AZIMUTHS = {3: (180.0,), 4: (180.0, 225.0, 270.0, 315.0, 0.0, 45.0, 90.0, 135.0)}
 NEAR_MIRROR_DEG = 3.0
@@ -117,8 +120,10 @@ def _values(
     if np.mean(certain[highest]) < MOST_PLANES:
         return np.full(len(means), True), means, _cell_sd_deg(tree, to_lamp, to_receiver)
     # A plane without its peak would show the foot of a highlight as if it were all of it.
-    whole = np.isin(group, planes[certain[highest]])
-    return certain & whole, middles.values[certain & whole], 0.0
+    readings = np.array([np.sum(certain[group == plane]) for plane in planes])
+    many = (readings >= FEWEST_IN_PLANE) | ~np.isin(planes, GRAZING_DEG)
+    taken = certain & np.isin(group, planes[certain[highest] & many])
+    return taken, middles.values[taken], 0.0
 
 
 def _words(tree: Tree, left_out: int, sd: float) -> str:
