@@ -3,7 +3,9 @@
 The formulas are those of appendix B of the specification (Khronos 2021) and of the extensions
 KHR_materials_specular, KHR_materials_ior and KHR_materials_clearcoat: GGX with Smith's correlated
 shadowing, Fresnel by Schlick 1994, a Lambertian body that loses what the specular part reflects,
-and a clear coat of F0 0.04 by the angle of the half-vector, as renderers draw it.
+and a clear coat of F0 0.04. Its Fresnel is by the half-vector in both places, as Filament draws it;
+the extension takes the angle of the normal, and three.js does for what is left to the layers below,
+which differs where the lamp grazes the surface.
 Programs of the web leave out the light that facets reflect more than once, and so does this.
 """
 

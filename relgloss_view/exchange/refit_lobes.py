@@ -116,6 +116,15 @@ def _families(
                 lobes.append(Lobe((float(x[k + 1]),), s_deg, f0=metal))
         return Material(name, source, RGB, diffuse, tuple(lobes))
 
+    def whiter(x: Array) -> Material:
+        """Two metal lobes between the stated colour and white, as a coat reflects that is white."""
+        made = make(x[:-2])
+        lobes = tuple(
+            Lobe(lobe.strength, lobe.s_deg, f0=tuple(v + float(t) * (1.0 - v) for v in metal))
+            for lobe, t in zip(made.specular, x[-2:], strict=True)
+        )
+        return Material(name, source, RGB, made.diffuse, lobes)
+
     def as_stated(x: Array) -> Material:
         """With the widths that the surface states: those of a mirror cannot be searched for."""
         count = len(body) + len(own)
@@ -124,10 +133,17 @@ def _families(
 
     one = (*body, *own, main, strength)
     strengths = [strength for _ in widths]
+    share = Unknown(0.0, 0.0, 1.0)
+    coated = (
+        (Family("two lobes, one whiter", (*one, wide, weak, share, share), whiter),)
+        if f0 is not None and len(widths) > 1
+        else ()
+    )
     return (
         Family("one lobe", one, make),
         Family("two lobes", (*one, wide, weak), make),
         Family("lobes of the stated widths", (*body, *own, *strengths), as_stated),
+        *coated,
     )
 
 
