@@ -22,7 +22,7 @@ from relgloss_view.base.interruptions import STEP_S, checkpoint
 from relgloss_view.catalogue.cluster_batches import LONGEST_S, Batches
 from relgloss_view.catalogue.cluster_check import Inspection, check_scheduler
 from relgloss_view.catalogue.cluster_evidence import Evidence
-from relgloss_view.catalogue.cluster_processes import Processes, local_cluster, silent
+from relgloss_view.catalogue.cluster_processes import Processes, dashboard_link, local_cluster, silent
 from relgloss_view.catalogue.cluster_worker import Program, Refused, perform, this_program
 from relgloss_view.catalogue.engine import MOST_WORKERS, Done, EngineOptions, Lost, Task
 
@@ -71,7 +71,8 @@ def on_processes(tasks: Iterable[Task], done: Done, options: EngineOptions) -> N
         if processes is None:
             check_scheduler(client, address)
         if options.dashboard:
-            options.report(f"Dask's dashboard: {client.dashboard_link}")
+            link = client.dashboard_link if processes is None else dashboard_link(client.cluster)
+            options.report(f"Dask's dashboard: {link}")
         _Run(client, processes, evidence, options, tasks, done).work_off()
 
 

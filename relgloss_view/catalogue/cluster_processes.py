@@ -34,6 +34,7 @@ MOST_STILLBORN = 12
 MEMORY_SHARE = 0.85  #: of the machine's memory, all workers together
 LOOKED_S = 0.2  #: between two looks at the workers
 CLOSED_S = 2.0
+INSTALL_BOKEH = "python -m pip install 'relgloss-view[dashboard]'"
 SYNCED_S = 3600.0  #: between two answers to a question that nobody asks here
 LOGGERS = ("distributed", "tornado", "asyncio", "bokeh")
 
@@ -112,7 +113,7 @@ def local_cluster(
 ) -> Iterator[tuple[Any, Processes]]:
     """A scheduler in this process and workers beside it. Yields (Dask's cluster, Processes)."""
     if dashboard and importlib.util.find_spec("bokeh") is None:
-        raise InputError("Dask's dashboard needs bokeh; install it with: pip install bokeh")
+        raise InputError(f"--dashboard: Dask's page needs bokeh; install it with: {INSTALL_BOKEH}")
     import dask
     import distributed
     from distributed.system import MEMORY_LIMIT
@@ -158,6 +159,11 @@ def local_cluster(
         processes = Processes(number, folder, evidence, MEMORY_SHARE * MEMORY_LIMIT / number)
         stack.callback(processes.close)
         yield cluster, processes
+
+
+def dashboard_link(cluster: Any) -> str:
+    """Address of a local cluster's page: the cluster itself names the machine's, not loopback's."""
+    return f"http://{LOOPBACK}:{cluster.scheduler.services['dashboard'].port}/status"
 
 
 @contextlib.contextmanager
