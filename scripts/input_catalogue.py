@@ -159,26 +159,17 @@ def query(path: Path) -> object:
         raise InputError(f"{path}: {error}") from error
 
 
-class _Few:
-    """A catalogue of a few rows in memory."""
-
-    def __init__(self) -> None:
-        from relgloss_view.catalogue.recipe import Recipe
-
-        self.folder, self.recipe, self.rows = Path("few"), Recipe(), tuple(_rows(5))
-
-    def thumbnails(self, paths: Any) -> dict[str, bytes]:
-        return {path: _picture(k) for k, path in enumerate(paths)}
-
-    def material(self, path: str) -> Any:
-        from relgloss_view.material.files import load_material
-
-        return load_material(asset("materials", "uncoated.json"))
-
-
 @functools.cache
 def _few() -> Any:
-    return _Few()
+    """A catalogue of a few rows in memory."""
+    from made_catalogue import MemoryCatalogue
+
+    from relgloss_view.material.files import load_material
+
+    rows = _rows(5)
+    material = load_material(asset("materials", "uncoated.json"))
+    pictures = {row["path"]: _picture(k) for k, row in enumerate(rows)}
+    return MemoryCatalogue(rows, dict.fromkeys(pictures, material), pictures)
 
 
 # Valid files
