@@ -48,13 +48,13 @@ def searched(path: Path) -> object:
 @contextlib.contextmanager
 def _unsearched() -> Iterator[None]:
     from relgloss_view.exchange import judge, refit_lobes
-    from relgloss_view.exchange.search import Family, Found
+    from relgloss_view.exchange.ways import Family, Way
 
-    def first(target: Any, families: tuple[Family, ...]) -> tuple[Found, ...]:
+    def first(target: Any, families: tuple[Family, ...]) -> tuple[Way, ...]:
         surface = families[0].make(np.array([unknown.start for unknown in families[0].unknowns]))
-        return (Found(families[0].name, surface, judge.compare(target, surface)),)
+        return (Way(families[0].name, surface, judge.compare(target, surface)),)
 
-    with mock.patch.object(refit_lobes, "nearest", first):
+    with mock.patch.object(refit_lobes, "ways_to_show", first):
         yield
 
 
