@@ -63,8 +63,8 @@ class Family:
 
 
 @dataclass(frozen=True)
-class Found:
-    """The nearest surface of a family."""
+class Way:
+    """A way to show a target that was tried: the nearest surface of a family, and its loss."""
 
     name: str
     surface: Surface
@@ -85,18 +85,18 @@ def cost_of(loss: Loss) -> float:
     return max(loss.de2000_p95 / MOST_DE2000, units)
 
 
-def nearest(target: Surface, families: tuple[Family, ...]) -> tuple[Found, ...]:
-    """The nearest surface of each family that was tried, the one that loses least first.
+def ways_to_show(target: Surface, families: tuple[Family, ...]) -> tuple[Way, ...]:
+    """The nearest surface of each family that is tried, the one that loses least first.
 
     target: a Material or another surface. Families after one that loses next to nothing (ENOUGH)
     are left out.
     """
-    aim, found = _Aim(target), []
+    aim, ways = _Aim(target), list[Way]()
     for family in families:
-        found.append(_nearest(aim, family))
-        if found[-1].cost <= ENOUGH:
+        ways.append(_tried(aim, family))
+        if ways[-1].cost <= ENOUGH:
             break
-    return tuple(sorted(found, key=lambda one: one.cost))
+    return tuple(sorted(ways, key=lambda way: way.cost))
 
 
 class _View:
@@ -204,19 +204,19 @@ def _asked_points() -> _Asked:
     )
 
 
-def _nearest(aim: _Aim, family: Family) -> Found:
-    found, x = _searched(aim, family, GLOSS_WEIGHT, None)
-    if found.cost <= 1.0:
-        return found
+def _tried(aim: _Aim, family: Family) -> Way:
+    tried, x = _searched(aim, family, GLOSS_WEIGHT, None)
+    if tried.cost <= 1.0:
+        return tried
     again = [_searched(aim, family, STRICT_GLOSS_WEIGHT, start)[0] for start in (x, None)]
-    most = STRICT_COST * found.loss.de2000_p95
+    most = STRICT_COST * tried.loss.de2000_p95
     seen_alike = [one for one in again if one.loss.de2000_p95 <= most]
-    return min((found, *seen_alike), key=lambda one: one.cost)
+    return min((tried, *seen_alike), key=lambda one: one.cost)
 
 
 def _searched(
     aim: _Aim, family: Family, gloss_weight: float, start: Array | None
-) -> tuple[Found, Array]:
+) -> tuple[Way, Array]:
     """The nearest surface with a weight of gloss, and its unknowns.
 
     start: None for the family's own.
@@ -229,4 +229,4 @@ def _searched(
         high,
     )
     surface = family.make(x)
-    return Found(family.name, surface, judge.compare(aim.target, surface)), x
+    return Way(family.name, surface, judge.compare(aim.target, surface)), x
