@@ -22,6 +22,7 @@ WHITE: Colour = (1.0, 1.0, 1.0)
 MODEL = "glTF 2.0"
 #: Extensions that the surface holds.
 SPECULAR, IOR, COAT = "KHR_materials_specular", "KHR_materials_ior", "KHR_materials_clearcoat"
+GLTF_LOBES = ("roughness", "clearcoat_roughness")  #: of the base, and of the coat
 COAT_F0 = 0.04  #: of KHR_materials_clearcoat, whose index is 1.5
 #: In files: no more digits than a float32 has.
 DIGITS = 6

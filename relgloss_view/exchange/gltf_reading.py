@@ -13,8 +13,9 @@ import numpy as np
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import decoding, named, printable, read_bytes
-from relgloss_view.exchange.gltf_brdf import MODEL, GltfSurface, gltf_starting_points
+from relgloss_view.exchange.gltf_brdf import GLTF_LOBES, MODEL, GltfSurface, gltf_starting_points
 from relgloss_view.exchange.gltf_material import EXTENSIONS, GltfMaterial
+from relgloss_view.exchange.mirrors import drawable
 from relgloss_view.exchange.own import EXTRAS, own_material
 from relgloss_view.exchange.refit_lobes import refit_lobes
 from relgloss_view.material.material import Material
@@ -114,8 +115,11 @@ class _File:
 
     def _described(self, entry: dict[str, Any], name: str, number: int | None = None) -> Material:
         theirs = GltfMaterial(self.document, entry)
-        surface = theirs.surface()
-        lines = list(theirs.lines)
+        stated = theirs.surface()
+        surface, mirrors = drawable(
+            theirs.seen_through(stated), GLTF_LOBES if stated.clearcoat > 0.0 else GLTF_LOBES[:1]
+        )
+        lines = [*theirs.lines, *mirrors]
         if number is not None and self._has_colours(number):
             lines.append("colours of the mesh's points (COLOR_0)")
         return refit_lobes(
@@ -123,7 +127,7 @@ class _File:
             name=printable(name, 60),
             source=f"described by a glTF file, {printable(self.path.name, 60)}",
             model=MODEL,
-            parameters=_parameters(surface),
+            parameters=_parameters(stated),
             not_carried=tuple(lines),
             **gltf_starting_points(surface),
         )

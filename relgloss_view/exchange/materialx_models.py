@@ -14,9 +14,10 @@ import numpy as np
 
 from relgloss_view.base.reading import printable
 from relgloss_view.exchange import ggx
-from relgloss_view.exchange.gltf_brdf import gltf_starting_points
+from relgloss_view.exchange.gltf_brdf import GLTF_LOBES, gltf_starting_points
 from relgloss_view.exchange.materialx_nodes import connected, input_of, numbers_of
 from relgloss_view.exchange.materialx_values import Values
+from relgloss_view.exchange.mirrors import drawable
 from relgloss_view.exchange.openpbr import WHITE, OpenPbr
 from relgloss_view.exchange.schlick_layers import SchlickLayers
 from relgloss_view.exchange.standard_surface import StandardSurface
@@ -25,8 +26,6 @@ INDEX = (1.0, 100.0)  #: others write 50 for a metal
 MIRROR_INDEX = 1e6  #: of a lobe whose F0 is its strength
 MOSTLY = 0.5  #: metalness above which a body does not count
 MOST_TINT = 1e3  #: of glTF's specular_color, as KHR_materials_specular allows more than 1
-#: Its facets are about as wide as the narrowest lobe that is drawn here (S_DEG_DRAWN).
-LEAST_ROUGHNESS = 0.0324
 #: Beginnings of inputs that only shape what a model's `absent` names, and say nothing alone.
 SHAPING = (
     *("transmission_", "subsurface_", "fuzz_", "thin_", "emission_", "geometry_", "sheen_"),
@@ -36,7 +35,6 @@ SHAPING = (
     "opacityThreshold",
 )
 MOST_NAMED = 12  #: unknown inputs that are named
-COAT_ROUGHNESS = "clearcoat_roughness"
 MOST_PICTURES = 3  #: that one line names
 #: Inputs that a gloss meter sees, of all models.
 OF_GLOSS = frozenset(
@@ -91,7 +89,8 @@ class Model(NamedTuple):
 
     def surface(self, values: Values) -> tuple[Described, tuple[str, ...]]:
         """The surface, and a line for each thing that it does not hold."""
-        surface, lines = drawable(self.body(values, self.make(values)))
+        surface = self.body(values, self.make(values))
+        surface, lines = drawable(surface, _lobes(surface))
         own = set(values.asked)
         for name, nothing, word in self.absent:
             before = set(values.unread)
@@ -129,19 +128,13 @@ def _listed(pictures: tuple[str, ...]) -> str:
     return ", ".join(pictures[:MOST_PICTURES]) + more
 
 
-def drawable(surface: Described) -> tuple[Described, list[str]]:
-    """The surface with lobes that can be drawn: a point lamp in a mirror has no limit image."""
-    lines: list[str] = []
-    changed: dict[str, Any] = {}
-    open_pbr = isinstance(surface, OpenPbr)
-    coat = surface.coat_weight if isinstance(surface, OpenPbr) else surface.clearcoat
-    names = ("specular_roughness", "coat_roughness") if open_pbr else ("roughness", COAT_ROUGHNESS)
-    for name, used in zip(names, (True, coat > 0.0), strict=True):
-        value = getattr(surface, name)
-        if used and value < LEAST_ROUGHNESS:
-            changed[name] = LEAST_ROUGHNESS
-            lines.append(f"{name} {value:g}: a mirror, drawn with {LEAST_ROUGHNESS:.3g}")
-    return dataclasses.replace(surface, **changed), lines
+def _lobes(surface: Described) -> tuple[str, ...]:
+    """The names of the roughnesses that count."""
+    if isinstance(surface, OpenPbr):
+        names, coat = ("specular_roughness", "coat_roughness"), surface.coat_weight
+    else:
+        names, coat = GLTF_LOBES, surface.clearcoat
+    return names if coat > 0.0 else names[:1]
 
 
 def _first(values: Values, name: str, nothing: float) -> float:
