@@ -23,6 +23,7 @@ from relgloss_view.exchange.materialx_nodes import (
 
 #: Of the ends of a range, which colours of wider spaces and means of pictures may pass by rounding.
 TOLERANCE = 1e-6
+COLOUR_BEYOND = 1.0  #: how far a colour may lie outside of its range, to which it is then cut
 LINKS = ("nodegraph", "nodename", "interfacename", "output")
 
 
@@ -92,8 +93,8 @@ class Values:
         """An input of as many numbers as `default`, each within a range; colours as linear sRGB.
 
         What has no value of its own is noted in `unread`, and the default holds. What is
-        calculated, or comes from a wider colour space, is cut to the range and noted in `cut`.
-        Raises InputError where a stated number lies outside of the range.
+        calculated, and a colour outside of sRGB, is cut to the range and noted in `cut`. Raises
+        InputError where a stated number lies outside of the range, or a colour far outside.
         """
         self.asked.add(name)
         element = input_of(self.shader, name)
@@ -130,5 +131,7 @@ class Values:
                 f"{where}: expected {'a number' if count == 1 else f'{count} numbers'}, found "
                 f"{printable(text, 60)!r}"
             )
-        if not all(low <= v <= high for v in numbers):
+        # Colours of metals lie outside of sRGB in others' libraries: gold has a red of 1.06.
+        beyond = COLOUR_BEYOND if count == 3 else 0.0
+        if not all(low - beyond <= v <= high + beyond for v in numbers):
             raise InputError(f"{where}: expected {low:g} to {high:g}, found {printable(text, 60)}")

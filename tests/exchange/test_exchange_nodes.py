@@ -200,3 +200,12 @@ def test_an_index_of_a_metal_and_none():
     made, [line] = surface(value("specular_IOR", "0"), node="standard_surface")
     assert made.specular_ior == 1.0
     assert "counts as 1" in line
+
+
+def test_a_colour_outside_of_srgb_is_cut_and_named():
+    """Gold, as the library of physicallybased.info states it for OpenPBR."""
+    made, [line] = surface(value("base_color", "1.059, 0.773, 0.307", "color3"))
+    assert made.base_color == (1.0, 0.773, 0.307)
+    assert line == "base_color: 1.06, 0.773, 0.307, cut to 0 to 1"
+    with pytest.raises(InputError, match="expected 0 to 1, found 255, 0, 0"):
+        surface(value("base_color", "255, 0, 0", "color3"))

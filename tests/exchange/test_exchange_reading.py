@@ -364,3 +364,17 @@ def test_forged_own_numbers_are_no_material(tmp_path):
     )
     assert material.described is not None
     assert np.all(np.isfinite(material.diffuse.albedo))
+
+
+@pytest.mark.slow
+def test_a_mirror_of_metal_has_no_gray_body(tmp_path):
+    """Iron of physicallybased.info: without a bound the search ended at a body of 0.5."""
+    inputs = (
+        value("base_color", "color3", "0.531, 0.512, 0.496")
+        + value("base_metalness", "float", "1")
+        + value("specular_color", "color3", "0.571, 0.54, 0.586")
+        + value("specular_roughness", "float", "0")
+    )
+    material = read(document(tmp_path, "open_pbr_surface", inputs))
+    assert max(material.diffuse.albedo) <= 0.05
+    assert material.described.losses["de2000_p95"] < 3.0
