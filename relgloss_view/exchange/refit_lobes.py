@@ -25,6 +25,9 @@ from relgloss_view.measure.bands import RGB
 #: Width of a Gaussian over alpha of GGX facets that look about as wide.
 S_PER_ALPHA = 1.0 / 1.2
 LARGEST_STRENGTH = 30.0
+#: Most of a body where a description has none, or alpha where that is more: what the tails of GGX
+#: look like far from the mirror direction.
+NO_BODY = 0.05
 #: Least width of a lobe over the narrowest that is stated. The core of GGX is as wide as a Gaussian
 #: of alpha / 2, which is 0.6 of S_PER_ALPHA: what is narrower is in no description. A picture under
 #: a lamp without extent and gloss meters hardly see such a spike, but distinctness of image does.
@@ -87,8 +90,10 @@ def _families(
     low: float = S_DEG_DRAWN,
 ) -> tuple[Family, ...]:
     high = S_DEG_MAX
+    # A metal has no body. Without this bound a mirror's search can end at a gray one.
+    tails = max(NO_BODY, math.radians(max(widths)) / S_PER_ALPHA)
     body = (
-        *(Unknown(min(max(v, 0.005), 0.99), 0.0, 1.0) for v in colour),
+        *(Unknown(min(max(v, 0.005), 0.99), 0.0, 1.0 if v > 0.0 else tails) for v in colour),
         Unknown(5.0, 0.0, SIGMA_DEG_MAX),
     )
     main = Unknown(math.log(widths[0]), math.log(low), math.log(high))
