@@ -190,7 +190,7 @@ def _brightest_first(material: Material) -> list[Lobe]:
     main = main_lobe(material)
     first = None if main is None else material.specular[main]
     lobes = material.visible_lobes()
-    return sorted(lobes, key=lambda one: (one is not first, -max(one.height) / one.s_deg**2))
+    return sorted(lobes, key=lambda one: (one is not first, -max(one.height) / one.s**2))
 
 
 def look_of(material: Material, fitted: Fitted, recipe: Recipe) -> tuple[dict[str, Any], str]:
