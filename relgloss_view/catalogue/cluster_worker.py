@@ -120,10 +120,11 @@ def perform(tasks: tuple[Task, ...], expected: Program, longest_s: float) -> Per
         return Performed((Refused(words),), (0.0,))
     for name, value in ONE_THREAD.items():  # a cluster's worker that was started without
         os.environ.setdefault(name, value)
-    return _thread.submit(_performed, tasks, longest_s).result()
+    # Dask knows the worker in its own threads alone.
+    return _thread.submit(_performed, tasks, longest_s, worker_name()).result()
 
 
-def _performed(tasks: tuple[Task, ...], longest_s: float) -> Performed:
+def _performed(tasks: tuple[Task, ...], longest_s: float, worker: str) -> Performed:
     results: list[Any] = []
     seconds: list[float] = []
     begun_s = before_s = time.monotonic()
@@ -132,7 +133,7 @@ def _performed(tasks: tuple[Task, ...], longest_s: float) -> Performed:
             if results and before_s > begun_s + longest_s:
                 break
             try:
-                results.append(_result(task))
+                results.append(_result(task, worker))
             except Exception:
                 if results:  # they are kept; the task comes again, as the first one
                     break
@@ -145,12 +146,12 @@ def _performed(tasks: tuple[Task, ...], longest_s: float) -> Performed:
     return Performed(tuple(results), tuple(seconds))
 
 
-def _result(task: Task) -> Any:
+def _result(task: Task, worker: str) -> Any:
     try:
         return task.result()
     except (RelglossError, OSError) as error:
         can_draw = not isinstance(error, GLUnavailableError)
-        return Refused(f"{worker_name()}: {task.name}: {error}", can_draw)
+        return Refused(f"{worker}: {task.name}: {error}", can_draw)
 
 
 def worker_name() -> str:
