@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import importlib
 import json
 import os
 import platform
@@ -184,7 +185,9 @@ def main(folder: str, name: str) -> int:
     with contextlib.suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text(FIRST_TO_GO, encoding="ascii")
     login = json.loads(Path(folder, LOGIN).read_text(encoding="utf-8"))
-    this_program()  # before the first task, whose time would be longer
+    # Before the first task, whose time would be longer.
+    this_program()
+    importlib.import_module("relgloss_view.catalogue.work")
 
     async def serve() -> None:
         worker = distributed.Worker(
@@ -219,4 +222,7 @@ WORKER_CONFIG = {
 }
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+    # Tasks import this module by its name; what is computed here would be computed again there.
+    from relgloss_view.catalogue import cluster_worker
+
+    sys.exit(cluster_worker.main(*sys.argv[1:]))
