@@ -21,6 +21,7 @@ from catalogue_clusters import ENDED_S, HERE, ROOT, results, wait_until, workers
 
 from relgloss_view.base.errors import GLUnavailableError, InputError
 from relgloss_view.catalogue import cluster, cluster_evidence, cluster_processes
+from relgloss_view.catalogue.cluster_batches import MOST, Batches
 from relgloss_view.catalogue.cluster_worker import Program, Refused, perform, this_program
 from relgloss_view.catalogue.engine import EngineOptions, Lost, Task
 from relgloss_view.catalogue.one_thread import thread_counts
@@ -67,6 +68,43 @@ def test_processes_give_what_the_loop_gives(tmp_path, monkeypatch):
     assert listening == {"127.0.0.1"}
     assert not workers_of(os.getpid())
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_batch_ends_at_its_time_and_before_a_fault():
+    """What was not begun travels again; what is done is kept."""
+    ours = this_program()
+    slow = work.tasks_of(work.slow_square, range(8), 0.02)
+    performed = perform(tuple(slow), ours, 0.01)
+    assert performed.results == (work.square(0),)
+    assert len(performed.seconds) == 1
+    wrong = work.tasks_of(work.wrong, [3])
+    performed = perform((*slow[:2], *wrong, *slow[2:]), ours, 60.0)
+    assert performed.results == (work.square(0), work.square(1))
+    with pytest.raises(ZeroDivisionError, match="task 3"):
+        perform((*wrong, *slow), ours, 60.0)
+
+
+def test_cheap_tasks_travel_together_and_costly_ones_alone():
+    """By the measured time of their sort; one of an unknown sort is alone."""
+    cheap = [Task(f"c{n}", "", work.square, (n,), "cheap") for n in range(40)]
+    costly = [Task(f"x{n}", "", work.square, (n,), "costly") for n in range(3)]
+    batches = Batches([*cheap[:20], *costly, *cheap[20:]])
+    assert batches.next() == (cheap[0],)
+    assert batches.next() == (cheap[1],)
+    for took_s in (0.9, 0.05, 0.05):  # the first of a process loads what the others find
+        batches.note(cheap[0], took_s)
+    assert batches.next() == tuple(cheap[2:7])
+    batches.put_back(cheap[5:7])
+    batches.note(costly[0], 0.3)
+    sizes = []
+    order = [*cheap[:5]]
+    while batch := batches.next():
+        sizes.append(len(batch))
+        order += batch
+        assert len({task.sort for task in batch}) == 1
+        assert len(batch) <= (MOST if batch[0].sort == "cheap" else 1)
+    assert max(sizes) == 5
+    assert order == [*cheap[:20], *costly, *cheap[20:]]
 
 
 @pytest.fixture
