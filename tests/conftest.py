@@ -7,6 +7,10 @@ import os
 import signal
 from collections.abc import Iterator
 
+# A thread for each processor, in each of the processes of the tests, would wait for the others by
+# spinning: a fit of small matrices then takes three times as long. Read when numpy is imported.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import hypothesis
 import moderngl
 import numpy as np
@@ -36,8 +40,6 @@ for _name in ("SIGINT", "SIGHUP"):
 # A decoration that fails is a warning for a user, and a failure for a test, in processes that the
 # tests start too.
 os.environ[decoration.VARIABLE] = decoration.RAISE
-
-
 
 
 def pytest_collection(session: pytest.Session) -> None:
