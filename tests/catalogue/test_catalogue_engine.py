@@ -20,7 +20,7 @@ import pytest
 from catalogue_clusters import ENDED_S, HERE, ROOT, results, wait_until, workers_of
 
 from relgloss_view.base.errors import GLUnavailableError, InputError
-from relgloss_view.catalogue import cluster, cluster_evidence, cluster_processes
+from relgloss_view.catalogue import cluster, cluster_evidence, cluster_processes, one_thread
 from relgloss_view.catalogue.cluster_batches import MOST, Batches
 from relgloss_view.catalogue.cluster_worker import Program, Refused, perform, this_program
 from relgloss_view.catalogue.engine import EngineOptions, Lost, Task
@@ -274,10 +274,22 @@ def test_a_worker_that_cannot_draw_ends_the_run():
         by_one(tasks)
 
 
-def test_linear_algebra_has_one_thread_in_every_engine():
-    """Here as well, though it was loaded with as many as there are processors; as before after."""
+@pytest.fixture
+def two_threads(monkeypatch):
+    """Linear algebra as a user's process loads it, here and in what it starts."""
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2")
+    before = thread_counts()
+    for _, write in one_thread._libraries():
+        write(2)
+    yield
+    for (_, write), count in zip(one_thread._libraries(), before, strict=True):
+        write(count)
+
+
+def test_linear_algebra_has_one_thread_in_every_engine(two_threads):
+    """Here as well, though it was loaded with several; as before after."""
     loaded = thread_counts()
-    assert loaded, "the wheels of numpy and scipy bring OpenBLAS"
+    assert set(loaded) == {2}, "the wheels of numpy and scipy bring OpenBLAS"
     tasks = work.tasks_of(work.blas_threads, range(4))
     loop, processes = results(tasks, EngineOptions(workers=1)), by_one(tasks)
     assert loop == processes
