@@ -98,7 +98,7 @@ class _Grid:
         if is_done(hit.row):
             self._drag(hit)
         if imgui.begin_popup_context_item("menu"):
-            actions.selected = hit.path
+            actions.selected, actions.held = hit.path, True
             self._menu(hit)
             imgui.end_popup()
         elif hovered and not imgui.is_mouse_dragging(imgui.MouseButton_.left):
@@ -120,7 +120,7 @@ class _Grid:
     def _drag(self, hit: Hit) -> None:
         if not imgui.begin_drag_drop_source(imgui.DragDropFlags_.source_no_hold_to_open_others):
             return
-        self.actions.dragged = hit
+        self.actions.dragged, self.actions.held = hit, True
         imgui.set_drag_drop_payload_py_id(PAYLOAD, 1)
         texture = self.actions.thumbnails.texture(hit.path)
         if texture:
@@ -138,6 +138,8 @@ class _Grid:
         imgui.separator()
         if _item("Nearest to this", "", able):
             actions.ask_nearest(hit)
+        if _item("Write proof...", "", able):
+            actions.write_proof(hit)
         imgui.separator()
         if _item("Copy command", "", able):
             actions.copy(hit, view_command)
