@@ -469,6 +469,11 @@ def test_an_error_is_never_shown_as_nothing(actions):
     assert "± 0.0" not in text.replace("± 0.001", "").replace("± 0.01", "")
 
 
+def test_the_report_counts_what_failed(actions):
+    failed = sum(made_catalogue.is_failed(k) for k in range(COUNT))
+    assert actions.model.notes[-1].text.endswith(f": {COUNT} items, {failed} failed")
+
+
 def test_one_item_lacks_and_two_lack(actions):
     for left_out, words in ((1, "; 1 lacks a value"), (2, "; 2 lack a value")):
         found = dataclasses.replace(actions.found, left_out=left_out)
@@ -484,7 +489,7 @@ def test_words_of_a_hostile_name_are_one_line(actions):
     assert len(catalogues.tooltip_of(hostile, actions.found)) < 1500
 
 
-def test_the_line_under_a_name_has_what_was_asked_for(actions):
+def test_the_line_under_a_name_has_what_was_asked_for(actions, drawings):
     actions.ask("gloss 20 > 1 and looks 0.9 x as glossy as mill-0/sheet-00000.csv at 60 degrees")
     settled(actions)
     hit = actions.found.hits[0]
@@ -493,7 +498,11 @@ def test_the_line_under_a_name_has_what_was_asked_for(actions):
     failed = catalogues.numbers_of(
         next(h for h in settled_on(actions, "failed").hits), actions.found
     )
-    assert failed == "failed"
+    assert failed == "line 3: not a number"
+    near = settled_on(actions, NEAREST).hits[1]
+    assert "dE about" in catalogues.numbers_of(near, actions.found)
+    exact = dataclasses.replace(near, numbers={**near.numbers, "picture_mean": 1.0})
+    assert "about" not in catalogues.numbers_of(exact, actions.found)
 
 
 def settled_on(actions, text):

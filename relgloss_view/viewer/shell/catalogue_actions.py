@@ -27,8 +27,10 @@ from relgloss_view.viewer.state.catalogues import (
     TILE_EM,
     Asked,
     OpenCatalogue,
+    fault_of,
     is_done,
     nearest_query,
+    opened_words,
     searched,
     title_of,
 )
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
 
 PANEL = "Catalogue"
 TICK_S = 0.05  #: between frames while something is under way
+LONGEST_COPY = 2000  #: characters of a fault on the clipboard
 AT_ONCE = 24  #: pictures that are decoded in one piece of work
 
 _Pictures = dict[str, Bytes | None]
@@ -103,9 +106,7 @@ class CatalogueActions:
         self._stop_drawing()
         self.thumbnails.release()
         self.model.wanted_panel = PANEL
-        count = len(opened.catalogue.rows)
-        items = "1 item" if count == 1 else f"{count:,} items"
-        self.model.report(f"opened the catalogue {opened.name}: {items}")
+        self.model.report(opened_words(opened))
 
     def remember(self, folder: str) -> None:
         """Note the folder of the last session's catalogue; the panel opens it when it shows."""
@@ -145,7 +146,7 @@ class CatalogueActions:
         if self.opened is None:
             return
         if not is_done(hit.row):
-            fault = printable(str(hit.row.get("fault") or "it has no material"), 200)
+            fault = fault_of(hit.row, 200)
             self.model.report(f"{title_of(hit.row)}: {fault}", fault=True)
             return
         file = self.material_file(hit)
@@ -188,6 +189,11 @@ class CatalogueActions:
         hit, self.dragged = self.dragged, None
         if hit is not None:
             self.set(side, hit)
+
+    def copy_fault(self, hit: Hit) -> None:
+        """Put a failed item's file and its fault on the clipboard."""
+        imgui.set_clipboard_text(f"{hit.path}: {fault_of(hit.row, LONGEST_COPY)}")
+        self.model.report(f"copied: the fault of {title_of(hit.row)}")
 
     @property
     def searching(self) -> bool:
@@ -266,8 +272,12 @@ class CatalogueActions:
         except RelglossError as error:
             self.model.report(str(error), fault=True)
             return
+
+        def report(share: float, _: str) -> None:
+            self.progress = f"{100.0 * share:.0f} %"
+
         self._refine = Worker(self._wake)  # what was stopped may still be ending
-        self._refine.start((opened, asked), lambda: drawing.run(preliminary, self._report))
+        self._refine.start((opened, asked), lambda: drawing.run(preliminary, report))
 
     def _stop_drawing(self) -> None:
         if self._drawing is not None:
