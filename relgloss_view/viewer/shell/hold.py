@@ -37,7 +37,8 @@ class Hold:
             model.history.end_gesture()
         if pressed or (active and not typing):
             self._held_at_s = time.monotonic()
-        model.dragging = (pressed and active) or model.held
+        carries = imgui.get_drag_drop_payload_py_id() is not None  # which changes no picture yet
+        model.dragging = (pressed and active and not carries) or model.held
         if model.dragging:
             self.draft_scale.drag()
         else:
