@@ -28,6 +28,7 @@ from pathlib import Path
 from typing import Any
 
 from relgloss_view import fit_material, read_measurement
+from relgloss_view.base.reading import sha256_of
 from relgloss_view.base.terminal import Column, table
 from relgloss_view.bench.verdicts.judging import SOUND, table_of
 from relgloss_view.catalogue.cluster_worker import ONE_THREAD
@@ -37,7 +38,7 @@ from relgloss_view.catalogue.item import Item
 from relgloss_view.catalogue.look import draw, match_of, numbers_of
 from relgloss_view.catalogue.one_thread import one_thread
 from relgloss_view.catalogue.recipe import Recipe
-from relgloss_view.catalogue.work import digest_of, make_item, renderer
+from relgloss_view.catalogue.work import EXPECTED, make_item, renderer
 from relgloss_view.picture.output.png import png_bytes
 
 SEED = 20
@@ -63,7 +64,10 @@ def tasks_of(paths: list[Path]) -> list[Task]:
     """The tasks that a build has for them."""
     return [
         Task(
-            path.name, path.name, make_item, (str(path), path.name, TABLE, digest_of(path), RECIPE)
+            path.name,
+            path.name,
+            make_item,
+            (str(path), path.name, TABLE, sha256_of(path, EXPECTED)[0], RECIPE),
         )
         for path in paths
     ]

@@ -415,6 +415,7 @@ def carton(width: float, height: float) -> Sheet:
 
 def pictures(pdf: Path) -> None:
     """The PDF as the program reads it: PNG of its colours, and one a plate."""
+    from relgloss_view.material.cielab import srgb_encoded
     from relgloss_view.material.spectra import (
         D65_XY,
         SRGB_PRIMARIES_XY,
@@ -435,9 +436,7 @@ def pictures(pdf: Path) -> None:
     linear = np.clip(
         xyz / illuminant("D50").white_xyz() * matrix.sum(axis=1) @ np.linalg.inv(matrix).T, 0, 1
     )
-    low = linear <= 0.0031308
-    encoded = np.where(low, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055)
-    digital = np.rint(255.0 * encoded).astype(np.uint8)
+    digital = np.rint(255.0 * srgb_encoded(linear)).astype(np.uint8)
     picture = Image.fromarray(digital).quantize(256, dither=Image.Dither.NONE)
     picture.save(pdf.with_suffix(".png"), dpi=(DPI, DPI), optimize=True)
     for name, values in artwork.plates.items():

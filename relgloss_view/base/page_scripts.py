@@ -1,8 +1,9 @@
 """Pages as one file: ES modules joined to one script, data as JSON in HTML, hashes for a policy.
 
-A page's js/ folder holds ES modules. Here their import lines and the word `export` are taken away,
-so that all of them are one script in one scope, in the order in which they need each other; no two
-of them give the same name to different things (tests hold it).
+A page's js/ folder holds ES modules; base/js holds those that several pages share. Here their
+import lines and the word `export` are taken away, so that all of them are one script in one scope,
+in the order in which they need each other; no two of them give the same name to different things
+(tests hold it).
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from typing import Any
 
 from relgloss_view.base.visible import visible
 
-_IMPORT = re.compile(r'^import\b[^;]*?from\s+"\./([\w-]+\.js)";\n', re.M)
+_IMPORT = re.compile(r'^import\b[^;]*?from\s+"(\.{1,2}/[\w./-]+\.js)";\n', re.M)
 _EXPORT = re.compile(r"^export (?=(?:async |const |let |function |class ))", re.M)
 _ENDS = re.compile("</script|<!--|\r|\0", re.I)
 
@@ -30,19 +31,20 @@ def one_script(folder: Path, *entries: str) -> str:
 
 def bundle(folder: Path, *entries: str) -> str:
     """The modules that some of them need, with them, each after those that it needs."""
-    ordered: dict[str, str] = {}
+    ordered: dict[Path, str] = {}
 
-    def add(name: str, trail: tuple[str, ...]) -> None:
+    def add(path: Path, trail: tuple[str, ...]) -> None:
+        name = path.name
         assert name not in trail, f"{name} imports itself by way of {' > '.join(trail)}"
-        if name in ordered:
+        if path in ordered:
             return
-        text = (folder / name).read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8")
         for other in _IMPORT.findall(text):
-            add(other, (*trail, name))
-        ordered[name] = f"// {name}\n" + condensed(_EXPORT.sub("", _IMPORT.sub("", text)))
+            add((path.parent / other).resolve(), (*trail, name))
+        ordered[path] = f"// {name}\n" + condensed(_EXPORT.sub("", _IMPORT.sub("", text)))
 
     for entry in entries:
-        add(entry, ())
+        add((folder / entry).resolve(), ())
     return "\n".join(ordered.values())
 
 

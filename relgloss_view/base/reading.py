@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
 import math
 import numbers
@@ -13,10 +14,11 @@ from pathlib import Path
 from typing import BinaryIO, NoReturn
 
 from relgloss_view.base.errors import InputError, RelglossError
+from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.visible import visible
 
 SHOWN = 60  #: characters of a wrong value that a message shows
-READ_AT_ONCE = 1 << 20  #: bytes of a file that is larger than it claims
+READ_AT_ONCE = 1 << 20  #: bytes
 #: A terminal is not taken over either; other systems than Unix have neither flag.
 _WITHOUT_WAITING = (
     getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
@@ -62,6 +64,21 @@ def _check_kind(path: str | os.PathLike[str], mode: int, expected: str) -> None:
     if not stat.S_ISREG(mode):
         kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
         raise InputError(f"{named(path)}: this is {kind}; give {expected}")
+
+
+def sha256_of(path: str | os.PathLike[str], expected: str) -> tuple[str, int]:
+    """SHA-256 of a regular file's bytes, in hexadecimal, and how many they are.
+
+    Read in parts, with a checkpoint before each. Raises InputError as open_regular, OSError where
+    reading fails.
+    """
+    digest, size = hashlib.sha256(), 0
+    with open_regular(path, expected) as opened:
+        while block := opened.read(READ_AT_ONCE):
+            checkpoint()
+            digest.update(block)
+            size += len(block)
+    return digest.hexdigest(), size
 
 
 def read_text(path: str | os.PathLike[str], most_bytes: int, expected: str) -> str:

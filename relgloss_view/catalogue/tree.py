@@ -13,9 +13,9 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.foreign import HEAD_BYTES
 from relgloss_view.base.interruptions import checkpoint
 from relgloss_view.base.json_files import read_mark
-from relgloss_view.base.reading import named, open_regular
+from relgloss_view.base.reading import named, open_regular, sha256_of
 from relgloss_view.catalogue.columns import MATERIAL, PROOF, TABLE
-from relgloss_view.catalogue.work import EXPECTED, READ_AT_ONCE
+from relgloss_view.catalogue.work import EXPECTED
 from relgloss_view.material.files import FORMAT as MATERIAL_FORMAT
 from relgloss_view.material.files import MAX_BYTES as MOST_MATERIAL_BYTES
 from relgloss_view.measure.readers.recognised import is_table
@@ -165,16 +165,11 @@ def _entry(top: str, file: str) -> Entry | None:
     kind = kind_of(file, head, size)
     if kind is None:
         return None
-    digest, size = hashlib.sha256(), 0
     try:
-        with open_regular(file, EXPECTED) as opened:
-            while block := opened.read(READ_AT_ONCE):
-                checkpoint()
-                digest.update(block)
-                size += len(block)
+        digest, size = sha256_of(file, EXPECTED)
     except (InputError, OSError) as error:
         return Entry(file, path, kind, size, fault=f"can't be read ({_reason(str(error), file)})")
-    return Entry(file, path, kind, size, digest.hexdigest())
+    return Entry(file, path, kind, size, digest)
 
 
 def _path_in(top: str, file: str) -> str:

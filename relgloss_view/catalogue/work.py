@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import hashlib
 import json
 import math
 import os
@@ -19,7 +18,7 @@ from typing import Any
 
 from relgloss_view.base.decoration import OWN_FAULT, RAISE, VARIABLE
 from relgloss_view.base.errors import GLUnavailableError, InputError, RelglossError
-from relgloss_view.base.reading import named, open_regular, printable
+from relgloss_view.base.reading import named, printable, sha256_of
 from relgloss_view.base.visible import visible
 from relgloss_view.catalogue.columns import (
     BY_NAME,
@@ -42,7 +41,6 @@ from relgloss_view.quality.backends import FrameRenderer, open_renderer
 
 EXPECTED = "a table, a material or a proof"
 LONGEST_FAULT = 600  #: characters
-READ_AT_ONCE = 1 << 20  #: bytes
 
 _open = threading.local()
 
@@ -86,7 +84,7 @@ def _fitted(file: Path, kind: str, sha256: str, recipe: Recipe) -> Fitted:
     """The material of a file. Raises InputError, as the readers do, and _Changed."""
     _check_readable(file)
     fitted = _MAKERS[kind](file, recipe)
-    if digest_of(file) != sha256:
+    if sha256_of(file, EXPECTED)[0] != sha256:
         raise _Changed
     return fitted
 
@@ -108,15 +106,6 @@ def _check_readable(file: Path) -> None:
 
 class _Unusable(InputError):
     """A fault of this machine or this user, which ends the run."""
-
-
-def digest_of(file: Path) -> str:
-    """SHA-256 of a file's bytes, in hexadecimal. Raises InputError."""
-    digest = hashlib.sha256()
-    with open_regular(file, EXPECTED) as opened:
-        while block := opened.read(READ_AT_ONCE):
-            digest.update(block)
-    return digest.hexdigest()
 
 
 def _from_table(file: Path, recipe: Recipe) -> Fitted:

@@ -96,8 +96,7 @@ class DisplayModel:
         if self.emission is not None:
             of_pixels = self.emission.light(digital)
         elif self.transfer == "srgb":
-            bent = ((np.maximum(digital, 0.0) + 0.055) / 1.055) ** 2.4
-            of_pixels = np.where(digital <= 0.04045, digital / 12.92, bent)
+            of_pixels = cielab.srgb_decoded(digital)
         else:
             gain, offset, gamma, flare = self.curve
             bent = np.maximum(gain * digital + offset, 0.0) ** gamma

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from relgloss_view.material.cielab import srgb_decoded
 from relgloss_view.material.spectra import D65_XY, SRGB_PRIMARIES_XY, rgb_to_xyz_matrix
 
 LEAST, MOST, USUAL = 9, 1000, 31
@@ -55,8 +56,7 @@ def chart_text(values: Sequence[tuple[int, int, int]]) -> str:
     CMS 2.3 documentation, "File formats, .ti1".
     """
     digital = np.array(values, dtype=np.float64) / 255.0
-    light = np.where(digital <= 0.04045, digital / 12.92, ((digital + 0.055) / 1.055) ** 2.4)
-    xyz = 100.0 * light @ rgb_to_xyz_matrix(SRGB_PRIMARIES_XY, D65_XY).T
+    xyz = 100.0 * srgb_decoded(digital) @ rgb_to_xyz_matrix(SRGB_PRIMARIES_XY, D65_XY).T
     lines = [
         "CTI1",
         "",

@@ -9,7 +9,6 @@ not drawn.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -56,16 +55,6 @@ class Principled:
         diffuse = (1.0 - self.metallic) / np.pi * body[..., None] * colour
         above = t.above[..., None]
         return np.where(above, diffuse, 0.0), np.where(above, shape[..., None] * fresnel, 0.0)
-
-    def as_plugin(self) -> dict[str, Any]:
-        """The dictionary that Mitsuba loads."""
-        return {
-            "type": "principled",
-            "base_color": {"type": "rgb", "value": list(self.base_color)},
-            "roughness": self.roughness,
-            "metallic": self.metallic,
-            "eta": self.eta,
-        }
 
 
 def refit_principled(material: Material) -> Refit:

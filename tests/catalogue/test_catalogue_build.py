@@ -13,13 +13,14 @@ from catalogue_trees import contents, save, small_table
 from PIL import Image
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import sha256_of
 from relgloss_view.catalogue.build import BuildOptions, build
 from relgloss_view.catalogue.catalogue import Catalogue
 from relgloss_view.catalogue.columns import COLUMNS, LAB, NAMES, READINGS
 from relgloss_view.catalogue.look import draw, match_of, setting_of
 from relgloss_view.catalogue.one_thread import one_thread
 from relgloss_view.catalogue.recipe import Recipe
-from relgloss_view.catalogue.work import close_renderer, digest_of, make_item
+from relgloss_view.catalogue.work import close_renderer, make_item
 from relgloss_view.fitting import fit_material
 from relgloss_view.gloss.match import Reference, full_c, matched
 from relgloss_view.gloss.meter.meter import gloss_readings
@@ -137,7 +138,7 @@ def test_a_material_without_a_lobe_has_a_picture_and_no_c(tmp_path):
         str(tmp_path / "tree.json"),
         "tree.json",
         "material",
-        digest_of(tmp_path / "tree.json"),
+        sha256_of(tmp_path / "tree.json", "a material")[0],
         RECIPE,
     )
     close_renderer()

@@ -23,7 +23,6 @@ from relgloss_view.base.reading import named, printable
 from relgloss_view.base.xml import line_of, read_xml
 from relgloss_view.measure.bands import FINEST_STEP_NM, WAVELENGTH_RANGE_NM, Bands
 from relgloss_view.measure.gonio import spherical
-from relgloss_view.measure.quantity import BRDF
 from relgloss_view.measure.readers.assemble import assemble, one_channel
 from relgloss_view.measure.readers.declared import MAX_APERTURE_SD_DEG, Declared
 from relgloss_view.measure.readers.klems import Basis, known_bases, read_basis
@@ -113,13 +112,12 @@ def read(path: Path, options: ReadOptions) -> Measurement:
         f"each value is an average over patches (angle basis {first.incident.name}): a highlight "
         f"narrower than {0.5 * float(np.hypot(*spread)):.2g} deg of the half-vector is not resolved"
     )
-    facts = Declared(
-        name=_name(layer, path),
-        source=f"{_computed(layer)}{path.name}, BSDF XML (WINDOW, Radiance), {surface}",
-        quantity=options.quantity_or(BRDF),
-        quantity_insisted=options.quantity is not None,
-        aperture_sd_deg=(min(spread[0], MAX_APERTURE_SD_DEG), min(spread[1], MAX_APERTURE_SD_DEG)),
-        warnings=tuple(notes),
+    facts = Declared.of_brdf(
+        _name(layer, path),
+        f"{_computed(layer)}{path.name}, BSDF XML (WINDOW, Radiance), {surface}",
+        options,
+        notes,
+        (min(spread[0], MAX_APERTURE_SD_DEG), min(spread[1], MAX_APERTURE_SD_DEG)),
     )
     theta_i, phi_i, theta_r, phi_r = angles.T
     to_lamp, to_receiver = spherical(theta_i, phi_i + 180.0), spherical(theta_r, phi_r)
@@ -143,16 +141,13 @@ def _read_trees(
         if block.direction == surface:
             first.setdefault(block.wavelength, block.element)
     read = tree_readings(structure, first, named(path))
-    facts = Declared(
-        name=_name(layer, path),
-        source=f"{_computed(layer)}{path.name}, BSDF XML (tensor tree, Radiance), {surface}",
-        quantity=options.quantity_or(BRDF),
-        quantity_insisted=options.quantity is not None,
-        aperture_sd_deg=(
-            min(round(read.cell_sd_deg, 3), MAX_APERTURE_SD_DEG),
-            min(round(read.cell_sd_deg, 3), MAX_APERTURE_SD_DEG),
-        ),
-        warnings=(*notes, *read.notes),
+    aperture_sd_deg = min(round(read.cell_sd_deg, 3), MAX_APERTURE_SD_DEG)
+    facts = Declared.of_brdf(
+        _name(layer, path),
+        f"{_computed(layer)}{path.name}, BSDF XML (tensor tree, Radiance), {surface}",
+        options,
+        (*notes, *read.notes),
+        (aperture_sd_deg, aperture_sd_deg),
     )
     angles = np.concatenate([read.to_lamp, read.to_receiver], axis=1)
     measurement = assemble(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,6 +45,28 @@ class Declared:
     aperture_sd_deg: tuple[float, float] = (0.0, 0.0)
     saturation: float | None = None
     warnings: tuple[str, ...] = ()
+
+    @classmethod
+    def of_brdf(
+        cls,
+        name: str,
+        source: str,
+        options: ReadOptions,
+        notes: Sequence[str],
+        aperture_sd_deg: tuple[float, float] = (0.0, 0.0),
+    ) -> Declared:
+        """The facts of a format of BRDFs in 1/sr, which the caller may call another quantity.
+
+        Raises InputError for a word that is no quantity.
+        """
+        return cls(
+            name=name,
+            source=source,
+            quantity=options.quantity_or(quantities.BRDF),
+            quantity_insisted=options.quantity is not None,
+            aperture_sd_deg=aperture_sd_deg,
+            warnings=tuple(notes),
+        )
 
 
 def declared(table: TextTable, options: ReadOptions) -> Declared:

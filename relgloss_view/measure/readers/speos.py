@@ -25,7 +25,6 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import named, printable, read_bytes
 from relgloss_view.measure.bands import Bands
 from relgloss_view.measure.gonio import spherical
-from relgloss_view.measure.quantity import BRDF
 from relgloss_view.measure.readers.assemble import assemble, one_channel
 from relgloss_view.measure.readers.declared import Declared
 from relgloss_view.measure.readers.options import ReadOptions
@@ -95,13 +94,8 @@ def read(path: Path, options: ReadOptions) -> Measurement:
     if bands is None:
         bands, value, gray = one_channel(value, table.label)
         notes.append(gray)
-    facts = Declared(
-        name=path.stem,
-        source=f"{path.name}, Speos BSDF format (Ansys)",
-        quantity=options.quantity_or(BRDF),
-        quantity_insisted=options.quantity is not None,
-        warnings=tuple(notes),
-    )
+    source = f"{path.name}, Speos BSDF format (Ansys)"
+    facts = Declared.of_brdf(path.stem, source, options, notes)
     measurement = assemble(path, facts, angle, bands, value, (lamp, receiver), angle[:, 0])
     unused = options.unused("gamma_s_deg", "angle_unit", "mirror", "part")
     return replace(measurement, warnings=(*measurement.warnings, *unused))

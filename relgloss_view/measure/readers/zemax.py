@@ -22,7 +22,6 @@ from relgloss_view.base.decoding import decoded
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import named, printable, read_bytes
 from relgloss_view.measure.gonio import from_normal, spherical
-from relgloss_view.measure.quantity import BRDF
 from relgloss_view.measure.readers.assemble import assemble, one_channel
 from relgloss_view.measure.readers.declared import Declared
 from relgloss_view.measure.readers.options import ReadOptions
@@ -84,13 +83,8 @@ def read(path: Path, options: ReadOptions) -> Measurement:
     else:
         bands, values, gray = one_channel(values, "monochrome")
         notes.append(gray)
-    facts = Declared(
-        name=path.stem,
-        source=f"{path.name}, Zemax BSDF format (Rykowski 2008)",
-        quantity=options.quantity_or(BRDF),
-        quantity_insisted=options.quantity is not None,
-        warnings=tuple(notes),
-    )
+    source = f"{path.name}, Zemax BSDF format (Rykowski 2008)"
+    facts = Declared.of_brdf(path.stem, source, options, notes)
     measurement = assemble(path, facts, angles, bands, values, (lamp, receiver), angles[:, 1])
     unused = options.unused("gamma_s_deg", "angle_unit", "mirror", "part")
     return replace(measurement, warnings=(*measurement.warnings, *unused))

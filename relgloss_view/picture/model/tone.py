@@ -158,11 +158,7 @@ def srgb_encode(light: Array) -> Array:
     >>> srgb_encode(np.array([0.0, 0.18, 1.0])).round(4).tolist()
     [0.0, 0.4614, 1.0]
     """
-    return np.where(
-        light <= 0.0031308,
-        12.92 * light,
-        1.055 * np.power(np.maximum(light, 0.0031308), 1.0 / 2.4) - 0.055,
-    )
+    return cielab.srgb_encoded(light)
 
 
 def on_screen(rgb: Array, display: DisplayModel) -> Array:

@@ -1,6 +1,6 @@
 // The rows: columns as arrays, thumbnails that are decoded when they are asked for.
 
-import { byId } from "./dom.js";
+import { byId } from "../../../base/js/elements.js";
 
 const table = JSON.parse(byId("rows").textContent);
 

@@ -2,7 +2,9 @@
 
 import { COLUMNS, MISSING, fact, labOf, pictureOf, wholeWords, words } from "./data.js";
 import { deltaE2000 } from "./difference.js";
-import { button, byId, copyButton, make, say } from "./dom.js";
+import { byId, make } from "../../../base/js/elements.js";
+import { say } from "../../../base/js/sentences.js";
+import { button, copyButton } from "./dom.js";
 
 function picture(row) {
   const source = pictureOf(row);

@@ -1,30 +1,7 @@
-// Elements and words of the page. Texts go in as text, never as HTML.
+// Buttons, and what the page reads out or copies.
 
-const sentences = JSON.parse(document.getElementById("words").textContent);
-
-export function byId(id) {
-  return document.getElementById(id);
-}
-
-/** The text of a key with its {placeholders} filled. A key that is missing is an error. */
-export function say(key, values = {}) {
-  if (!Object.hasOwn(sentences, key)) throw new Error(`words: ${key}`);
-  return sentences[key].replace(/\{(\w+)\}/g, (_, name) => String(values[name]));
-}
-
-/** An element: `text`, `on` ({event: function}) and attributes; true is an empty one. */
-export function make(tag, properties = {}, ...children) {
-  const element = document.createElement(tag);
-  for (const [name, value] of Object.entries(properties)) {
-    if (value === undefined || value === null || value === false) continue;
-    if (name === "text") element.textContent = value;
-    else if (name === "on") {
-      for (const [event, act] of Object.entries(value)) element.addEventListener(event, act);
-    } else element.setAttribute(name, value === true ? "" : value);
-  }
-  element.append(...children.filter((child) => child !== null && child !== undefined));
-  return element;
-}
+import { byId, make } from "../../../base/js/elements.js";
+import { say } from "../../../base/js/sentences.js";
 
 export function button(text, act, properties = {}) {
   return make("button", { type: "button", class: "button", text, on: { click: act }, ...properties });

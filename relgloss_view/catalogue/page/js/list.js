@@ -1,7 +1,8 @@
 // The hits as a grid of pictures or as a table: only the lines in view are elements.
 
 import { COLUMN, COLUMNS, MISSING, fact, pictureOf, words } from "./data.js";
-import { byId, make, say } from "./dom.js";
+import { byId, make } from "../../../base/js/elements.js";
+import { say } from "../../../base/js/sentences.js";
 
 const BEYOND_PX = 600; // drawn above and below what is in view, once there is time; one line until then
 const REST_MS = 120; // after which there is

@@ -2,7 +2,9 @@
 
 import { COLUMNS, COUNT, wholeWords, words, valuesOf } from "./data.js";
 import { MOST_PICKED, SIZES, asFragment, distancesOf, found, isAsked, ofFragment, unasked } from "./filters.js";
-import { announce, button, byId, copyButton, make, say } from "./dom.js";
+import { byId, make } from "../../../base/js/elements.js";
+import { say } from "../../../base/js/sentences.js";
+import { announce, button, copyButton } from "./dom.js";
 import { openItem, showTray } from "./details.js";
 import { List } from "./list.js";
 import { mountPanel } from "./panel.js";

@@ -2,7 +2,8 @@
 
 import { COLUMN, COUNT, valuesOf } from "./data.js";
 import { CHOICES, RANGES, namesIn } from "./filters.js";
-import { byId, make, say } from "./dom.js";
+import { byId, make } from "../../../base/js/elements.js";
+import { say } from "../../../base/js/sentences.js";
 
 const BINS = 32, STEPS = 200, FIRST_OPEN = 3, MOST_BENT = 6;
 

@@ -1,10 +1,10 @@
 // The state of the page, and the loop that draws when something has changed.
 
-import { byId } from "./dom.js";
+import { byId } from "../../../base/js/elements.js";
 import { lifeSized } from "./hand.js";
 import { blits, fitted, panes, roomFor } from "./layout.js";
 import { atOneScale } from "./view.js";
-import { say } from "./words.js";
+import { say } from "../../../base/js/sentences.js";
 
 const SLOW_MS = 33; // of a frame, beyond which a moving picture is drawn smaller
 const LEAST_SHARE = 0.3; // of the full size, each way

@@ -1,8 +1,9 @@
 // "Same picture?": this browser draws the check grid and compares it with what the designer saw.
 
-import { make } from "./dom.js";
+import { make } from "../../../base/js/elements.js";
 import { evaluate } from "./evaluate.js";
-import { figure, say } from "./words.js";
+import { say } from "../../../base/js/sentences.js";
+import { figure } from "./words.js";
 
 // dE2000. Drivers round differently: SwiftShader differs from the desktop's grid by 0.0002, llvmpipe
 // by 0.0001, which is the rounding of the grid itself. A 1 % of c changes 0.009 at the least.

@@ -1,7 +1,8 @@
 // Life size: a bank card held to the screen says how large a pixel is.
 
-import { byTouch, make } from "./dom.js";
-import { say } from "./words.js";
+import { make } from "../../../base/js/elements.js";
+import { byTouch } from "./dom.js";
+import { say } from "../../../base/js/sentences.js";
 
 const CARD_MM = [85.6, 53.98]; // ISO/IEC 7810 ID-1
 const USUAL_MM = 25.4 / 96, PHONE_MM = 25.4 / 160; // of a CSS pixel, until it is measured

@@ -2,7 +2,8 @@
 
 import { App, keepForPaper, notice } from "./app.js";
 import { checkPage, checkSignatures, pageText, withMessage, wordsOfPart } from "./canonical.js";
-import { byId, byTouch, make } from "./dom.js";
+import { byId, make } from "../../../base/js/elements.js";
+import { byTouch } from "./dom.js";
 import { Engine } from "./engine.js";
 import { held, lifeSized, listen, orbited, panned, turned, zoomed } from "./hand.js";
 import { lifeSize } from "./life.js";
@@ -14,7 +15,7 @@ import { controls } from "./sliders.js";
 import { bringUpToDate, withStatic } from "./static.js";
 import { banner, localTimes, signatures, thread } from "./thread.js";
 import { tools } from "./tools.js";
-import { say } from "./words.js";
+import { say } from "../../../base/js/sentences.js";
 
 let pristine = ""; // the text of the page, before anything is changed
 const MOST_NAMED = 5; // changed parts that the notice lists

@@ -1,7 +1,9 @@
 // The colour of the pixel under the pointer or the keys.
 
-import { byId, byTouch, make } from "./dom.js";
-import { figure, say } from "./words.js";
+import { byId, make } from "../../../base/js/elements.js";
+import { byTouch } from "./dom.js";
+import { say } from "../../../base/js/sentences.js";
+import { figure } from "./words.js";
 
 const KEY_STEP = 1, KEY_LEAP = 16; // CSS pixels of an arrow, and with Shift
 

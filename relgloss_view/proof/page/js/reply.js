@@ -1,7 +1,7 @@
 // The answer: the settings shown and a note, saved as a new file that names the proof it answers.
 
-import { byId, make } from "./dom.js";
-import { say } from "./words.js";
+import { byId, make } from "../../../base/js/elements.js";
+import { say } from "../../../base/js/sentences.js";
 
 const NAME_LENGTH = 12; // digits of a digest that are shown
 const LONGEST_STEM = 60; // characters of a file's name

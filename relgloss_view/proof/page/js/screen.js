@@ -1,12 +1,13 @@
 // The maker's screen: what it shows of black, white and grays, and what that changes.
 
-import { make } from "./dom.js";
+import { make } from "../../../base/js/elements.js";
 import { SIDES } from "./pair.js";
 import {
   BRIGHT_STEPS, DARK_STEPS, STEP_LSTAR, blackBounds, clippedFrom, designersScreen, differences,
   highlightsOf, orderOfGloss, orderWords, patternGamma, possibleGammas, signalOf, unknownScreen,
 } from "./screens.js";
-import { figure, say } from "./words.js";
+import { say } from "../../../base/js/sentences.js";
+import { figure } from "./words.js";
 
 const PATCH_PX = 44; // of the page, before its scale
 const CHANNEL_MASKS = { gray: [1, 1, 1], red: [1, 0, 0], green: [0, 1, 0], blue: [0, 0, 1] };

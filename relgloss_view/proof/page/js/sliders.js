@@ -1,8 +1,9 @@
 // A slider with a number beside it, and the way back to the sent value.
 
-import { byId, make } from "./dom.js";
+import { byId, make } from "../../../base/js/elements.js";
 import { shortNumber } from "./static.js";
-import { figure, say } from "./words.js";
+import { say } from "../../../base/js/sentences.js";
+import { figure } from "./words.js";
 
 const STEPS = 100; // from one end of a slider to the other
 const FAST = 10; // with Shift

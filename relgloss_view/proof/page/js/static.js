@@ -2,7 +2,7 @@
 
 import { splitPage } from "./canonical.js";
 import { SIDES } from "./pair.js";
-import { say } from "./words.js";
+import { say } from "../../../base/js/sentences.js";
 
 /** A number with three significant digits at most. */
 export function shortNumber(value) {

@@ -1,8 +1,9 @@
 // The thread of messages: whose settings one looks at is always said, and each is a click away.
 
-import { byId, make } from "./dom.js";
+import { byId, make } from "../../../base/js/elements.js";
 import { putInPanel } from "./static.js";
-import { moment, say } from "./words.js";
+import { say } from "../../../base/js/sentences.js";
+import { moment } from "./words.js";
 
 /** Times of the static page in the reader's own zone. */
 export function localTimes() {

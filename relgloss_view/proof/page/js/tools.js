@@ -1,8 +1,9 @@
 // The tools below the pictures, the handle of the wipe and the button that flips.
 
-import { byId, make, segments } from "./dom.js";
+import { byId, make } from "../../../base/js/elements.js";
+import { segments } from "./dom.js";
 import { SIDES } from "./pair.js";
-import { say } from "./words.js";
+import { say } from "../../../base/js/sentences.js";
 
 const KEY_SHARE = 0.02; // of an arrow on the wipe's handle
 

@@ -1,13 +1,6 @@
-// The texts of the page: one table, which a translation replaces.
+// Numbers and times as the language of the page writes them.
 
-const table = JSON.parse(document.getElementById("words").textContent);
 const language = document.documentElement.lang;
-
-/** The text of a key with its {placeholders} filled. A key that is missing is an error. */
-export function say(key, values = {}) {
-  if (!Object.hasOwn(table, key)) throw new Error(`words: ${key}`);
-  return table[key].replace(/\{(\w+)\}/g, (_, name) => String(values[name]));
-}
 
 /** A number as the table's language writes it, with so many decimals. */
 export function figure(value, decimals = 2) {
