@@ -10,7 +10,6 @@ they mean; Klems 1994 (ASHRAE Transactions 100) for the patches.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 from xml.sax.saxutils import escape
@@ -174,4 +173,5 @@ def _comment(line: str) -> str:
     >>> _comment("one --- two")
     'one - - - two'
     """
-    return re.sub("-(?=-)", "- ", escape(printable(line, LONGEST_TEXT)))
+    text = escape(printable(line, LONGEST_TEXT))
+    return text.replace("--", "- -").replace("--", "- -")  # three of them leave a second pair

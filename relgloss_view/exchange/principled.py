@@ -15,7 +15,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.exchange import ggx
 from relgloss_view.exchange.refit import Refit, body_colour, refit_with, roughness_of, spread_f0
-from relgloss_view.exchange.search import Family, Unknown
+from relgloss_view.exchange.ways import Family, Unknown
 from relgloss_view.gloss.meter.meter import main_lobe
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Material
