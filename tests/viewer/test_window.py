@@ -207,7 +207,9 @@ def draws_only_what_changed(hand, found):
     for side in ("reference", "test"):  # quality auto may draw other stages after any change
         model.set_look(side, quality="exact")
     hand.frames(8)
-    hand.until(lambda: not hand.app._warming_waits)  # the hand has rested: programs are warmed up
+    hand.until(
+        lambda: not hand.app.hold.rest_awaited
+    )  # the hand has rested: programs are warmed up
     hand.frames(20)
     compiled = hand.app.pair_renderer.compiled
     for name, change in (
@@ -243,7 +245,7 @@ def draws_no_more_than_needed(hand, found):
     model.set_look("test", quality="auto", sigma_n_deg=1.0)
     hand.frames(6)
     found["auto"] = methods()
-    hand.until(lambda: not hand.app._warming_waits)  # programs are warmed up before a drag
+    hand.until(lambda: not hand.app.hold.rest_awaited)  # programs are warmed up before a drag
     hand.frames(20)
     compiled = hand.app.pair_renderer.compiled
     found["moved"] = []

@@ -167,7 +167,9 @@ class _Parser:
         if piece.lower() in CHOICES["quality"]:
             remedy = f"write quality {piece.lower()}"
             raise QueryError(scanner.text, at, end, "not a condition by itself", remedy)
-        remedy = f"{suggestion(longer)}; to look for a name, write name contains {piece}"
+        near = suggestion(longer)
+        then = " To" if near.endswith("?") else "; to"
+        remedy = f"{near}{then} look for a name, write name contains {piece}"
         raise QueryError(scanner.text, at, end, "not a known word here", remedy)
 
     def orders(self) -> list[Order]:
