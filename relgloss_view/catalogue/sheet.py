@@ -126,6 +126,8 @@ def _note(hits: Sequence[Hit], found: Found, gloss: str) -> str:
     ratios = [leaf for leaf in found.query.leaves if isinstance(leaf, GlossRatio)]
     own = found.references.get(ratios[0].reference.text) if ratios else None
     reference = own or "the catalogue's reference"
+    if not any(hit.row.get(gloss) is not None for hit in hits):
+        return f"Order: {printable(found.order, 200)}."
     words = f"GU: {label_of(gloss)}. x: gloss over that of {printable(reference, 80)}."
     if any(hit.row.get("is_ratio_kept") is False for hit in hits):
         words += " cut: shown at c_max, below the ratio."
