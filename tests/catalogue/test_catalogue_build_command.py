@@ -23,8 +23,9 @@ def quick(monkeypatch):
 
 
 @pytest.fixture
-def build(tmp_path, capsys):
+def build(tmp_path, capsys, monkeypatch):
     """Runs the command on tmp_path/tree; returns status, lines of stdout, lines of stderr."""
+    monkeypatch.setattr("relgloss_view.commands.catalogue_build.LOGGED_S", None)
 
     def run(*options):
         words = ["catalogue", "build", str(tmp_path / "tree"), "-o", str(tmp_path / "stock")]
