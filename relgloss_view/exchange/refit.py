@@ -1,7 +1,7 @@
 """Refit: the parameters of another program's model that show a material's picture.
 
 A renamed width shows another highlight: GGX has longer tails than a Gaussian, and Smith's shadowing
-takes more at grazing angles than V-grooves do. So the parameters are searched for (search.py), for
+takes more at grazing angles than V-grooves do. So the parameters are searched for (ways.py), for
 one lobe and for two, and the way that loses least is taken.
 """
 
@@ -16,8 +16,8 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.exchange import ggx, judge
 from relgloss_view.exchange.loss import LAMP, Loss, Surface
-from relgloss_view.exchange.openpbr import OpenPbr
-from relgloss_view.exchange.search import Family, Found, Unknown, nearest
+from relgloss_view.exchange.openpbr import Colour, OpenPbr
+from relgloss_view.exchange.ways import Family, Unknown, Way, ways_to_show
 from relgloss_view.gloss.meter.meter import main_lobe
 from relgloss_view.material.material import Lobe, Material
 from relgloss_view.material.spectra import illuminant, xyz_weights
@@ -30,6 +30,7 @@ BELOW_INDEX = COAT_INDEX * 1.5
 #: A second lobe is at least this share of the main one's roughness: a narrower one would gain gloss
 #: units by a mirror image of the lamp that no sample shows.
 NARROWEST = 0.6
+LEAST_ROUGHNESS = math.sqrt(ggx.LEAST_ALPHA)
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Refit:
     surface: Surface
     way: str  #: for people, such as 'specular and coat'
     loss: Loss
-    others: tuple[Found, ...] = ()
+    others: tuple[Way, ...] = ()
     notes: tuple[str, ...] = ()  #: what the model cannot hold, one sentence each
 
     @property
@@ -47,9 +48,9 @@ class Refit:
         """What the loss means, its numbers, the ways that lose more, and notes; one line each."""
         taken = (self.loss.verdict, f"fitted with {self.way}: {self.loss.words}")
         passed = ", ".join(
-            f"{found.name} (dE2000 {found.loss.de2000_p95:.1f}, up to "
-            f"{found.loss.largest_gloss_units:.1f} gloss units)"
-            for found in self.others
+            f"{way.name} (dE2000 {way.loss.de2000_p95:.1f}, up to "
+            f"{way.loss.largest_gloss_units:.1f} gloss units)"
+            for way in self.others
         )
         return (*taken, *((f"tried, and loses more: {passed}",) if passed else ()), *self.notes)
 
@@ -95,7 +96,7 @@ def refit_openpbr(material: Material) -> Refit:
 
 def refit_with(material: Material, families: tuple[Family, ...]) -> Refit:
     """The best of several ways to show a material."""
-    best, *others = nearest(material, families)
+    best, *others = ways_to_show(material, families)
     notes = (*colour_notes(material), *_turned(material, best.surface))
     return Refit(best.surface, best.name, best.loss, tuple(others), notes)
 
@@ -169,7 +170,7 @@ def _metals(material: Material, lobe: Lobe, rough: float) -> tuple[Family, ...]:
 
     def one(x: Array) -> OpenPbr:
         return OpenPbr(
-            base_color=_colour(x),
+            base_color=as_colour(x),
             base_metalness=float(x[3]),
             specular_weight=float(x[4]),
             specular_roughness=float(x[5]),
@@ -177,7 +178,7 @@ def _metals(material: Material, lobe: Lobe, rough: float) -> tuple[Family, ...]:
 
     def two(x: Array) -> OpenPbr:
         return OpenPbr(
-            base_color=_colour(x),
+            base_color=as_colour(x),
             base_metalness=float(x[3]),
             specular_weight=float(x[4]),
             specular_roughness=float(x[5]),
@@ -221,17 +222,18 @@ def body_colour(material: Material) -> tuple[Unknown, ...]:
 
 
 def _base(x: Array) -> dict[str, Any]:
-    return {"base_color": _colour(x), "base_diffuse_roughness": float(x[3])}
+    return {"base_color": as_colour(x), "base_diffuse_roughness": float(x[3])}
 
 
-def _colour(x: Array) -> tuple[float, float, float]:
+def as_colour(x: Array) -> Colour:
+    """The first three of some numbers as a colour."""
     red, green, blue = (float(v) for v in x[:3])
     return red, green, blue
 
 
 def roughness_of(lobe: Lobe) -> float:
-    """Roughness, the root of alpha, of GGX facets about as wide: alpha is below sqrt(2) s."""
-    return min(max(math.sqrt(1.2 * lobe.s), math.sqrt(ggx.LEAST_ALPHA)), 1.0)
+    """Roughness, the root of alpha, of GGX facets that look about as wide."""
+    return min(max(math.sqrt(ggx.ALPHA_PER_S * lobe.s), LEAST_ROUGHNESS), 1.0)
 
 
 def spread_f0(lobe: Lobe, material: Material) -> Array:

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.exchange import ggx
 from relgloss_view.exchange.loss import Surface
-from relgloss_view.exchange.search import Family, Found, Unknown, nearest
+from relgloss_view.exchange.ways import Family, Unknown, Way, ways_to_show
 from relgloss_view.material.described import DescribedRecord
 from relgloss_view.material.material import (
     S_DEG_DRAWN,
@@ -22,8 +23,7 @@ from relgloss_view.material.material import (
 )
 from relgloss_view.measure.bands import RGB
 
-#: Width of a Gaussian over alpha of GGX facets that look about as wide.
-S_PER_ALPHA = 1.0 / 1.2
+S_PER_ALPHA = 1.0 / ggx.ALPHA_PER_S
 LARGEST_STRENGTH = 30.0
 #: Least width of a lobe over the narrowest that is stated. The core of GGX is as wide as a Gaussian
 #: of alpha / 2, which is 0.6 of S_PER_ALPHA: what is narrower is in no description. A picture under
@@ -60,8 +60,8 @@ def refit_lobes(
     return _with_record(material, record)
 
 
-def _nearest(surface: Surface, families: tuple[Family, ...]) -> tuple[Found, Material]:
-    best, *_ = nearest(surface, families)
+def _nearest(surface: Surface, families: tuple[Family, ...]) -> tuple[Way, Material]:
+    best, *_ = ways_to_show(surface, families)
     assert isinstance(best.surface, Material)
     return best, best.surface
 

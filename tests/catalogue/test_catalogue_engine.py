@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import random
 import signal
@@ -9,6 +10,8 @@ import subprocess
 import sys
 import threading
 import time
+import tomllib
+import urllib.request
 from pathlib import Path
 
 import catalogue_tasks as work
@@ -74,9 +77,10 @@ def bound(monkeypatch):
     submitted: dict[str, list[list[str] | None]] = {}
     submit = distributed.Client.submit
 
-    def spy(client, function, task, *words, workers=None, **more):
-        submitted.setdefault(task.key, []).append(workers)
-        return submit(client, function, task, *words, workers=workers, **more)
+    def spy(client, function, tasks, *words, workers=None, **more):
+        for task in tasks:
+            submitted.setdefault(task.key, []).append(workers)
+        return submit(client, function, tasks, *words, workers=workers, **more)
 
     monkeypatch.setattr(distributed.Client, "submit", spy)
     return submitted
@@ -246,19 +250,20 @@ def test_linear_algebra_has_one_thread_in_every_engine():
 def test_another_program_is_refused():
     ours = this_program()
     task = Task("a", "a.csv", work.square, (2,))
-    assert perform(task, ours) == work.square(2)
-    for other, word in (
-        (Program("0.0.9", ours.digest, ours.python, ours.numpy), "relgloss"),
-        (Program(ours.version, "0" * 64, ours.python, ours.numpy), "assets"),
+    assert perform((task,), ours, 1.0).results == (work.square(2),)
+    for changed, word in (
+        ({"version": "0.0.9"}, "relgloss"),
+        ({"digest": "0" * 64}, "assets"),
+        ({"scipy": "1.0"}, "scipy"),
     ):
-        refused = perform(task, other)
+        (refused,) = perform((task,), dataclasses.replace(ours, **changed), 1.0).results
         assert isinstance(refused, Refused)
         assert refused.fault.startswith("worker ")
         assert word in refused.fault
 
 
 def test_another_program_ends_the_run(monkeypatch):
-    monkeypatch.setattr(cluster, "this_program", lambda: Program("0.0.9", "0", "3.11", "2"))
+    monkeypatch.setattr(cluster, "this_program", lambda: Program("0.0.9", "0", "3.11", "2", "1"))
     with pytest.raises(InputError, match=r"worker \d+ .*another program: relgloss .* in place of"):
         by_one(work.tasks_of(work.square, range(3)))
 
@@ -274,6 +279,35 @@ def test_another_program_ends_the_run(monkeypatch):
 def test_options_that_lead_nowhere(options, words):
     with pytest.raises(InputError, match=words):
         results(work.tasks_of(work.square, range(3)), options)
+
+
+def test_without_bokeh_a_dashboard_is_refused_with_the_command_that_installs_it(monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    words = rf"needs bokeh; install it with: {sys.executable} -m pip install '.*\[dashboard\]'"
+    with pytest.raises(InputError, match=words) as caught:
+        results(work.tasks_of(work.square, range(3)), EngineOptions(workers=1, dashboard=True))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert f"'{project['name']}[dashboard]'" in str(caught.value)
+    assert any(text.startswith("bokeh") for text in project["optional-dependencies"]["dashboard"])
+
+
+@pytest.mark.slow
+def test_the_dashboard_is_served_on_loopback_alone():
+    """Its page and its own data; the address that is printed is the one that answers."""
+    pytest.importorskip("bokeh")
+    printed, answers = [], []
+
+    def step():
+        if not answers:
+            address = printed[0].split()[-1]
+            assert address.startswith("http://127.0.0.1:")
+            with urllib.request.urlopen(address, timeout=30) as page:
+                answers.append(page.read())
+
+    options = EngineOptions(workers=2, dashboard=True, report=printed.append)
+    got = results(work.tasks_of(work.slow_square, range(20), 0.1), options, step)
+    assert got == {f"slow_square {n}": work.square(n) for n in range(20)}
+    assert b"Bokeh" in answers[0] or b"bokeh" in answers[0]
 
 
 MEMORY = """
