@@ -25,6 +25,8 @@ _SAMPLES = (
     "it holds reflectances of samples: give it to `relgloss fit` where it holds 12 geometries of "
     "one, or to `relgloss estimate --spectrum`"
 )
+#: Of materials of other programs, where a material or a table is wanted.
+_IMPORT = "make a material of it with `relgloss import FILE -o NAME.json`"
 _TABLE = "give the measured table as CSV, an RGL .bsdf or a MERL .binary"
 _SPECTRUM = "relgloss does not read these; save two columns, wavelength (nm) and value, as text"
 
@@ -54,6 +56,7 @@ _MAGIC: tuple[tuple[bytes, Foreign], ...] = (
     (b"%PDF", Foreign("a PDF document", "ask for the numbers behind it as CSV")),
     (b"\x89PNG\r\n", _PICTURE),
     (b"\xff\xd8\xff", _PICTURE),
+    (b"glTF", Foreign("a glTF file", _IMPORT)),
     (b"GIF8", _PICTURE),
     (b"II*\x00", _PICTURE),
     (b"MM\x00*", _PICTURE),
@@ -94,7 +97,7 @@ _XML: tuple[tuple[str, Foreign], ...] = (
     (r"<svg\b", _PICTURE),
     (r"<(\w+:)?Workbook\b", _SHEET),
     (r"<scene\b", Foreign("a scene of Mitsuba", "give a scene of relgloss or a measured table")),
-    (r"<(\w+:)?materialx\b", Foreign("a MaterialX document", _TABLE)),
+    (r"<(\w+:)?materialx\b", Foreign("a MaterialX document", _IMPORT)),
 )
 
 _SSDD = Foreign("an SSDD file (surface scattering data)", _FIT, "ssdd")

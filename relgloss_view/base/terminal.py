@@ -12,6 +12,7 @@ import contextlib
 import io
 import os
 import sys
+import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from types import TracebackType
@@ -139,11 +140,13 @@ def warn(text: str, limit: int = WARNING_LENGTH) -> None:
 class Progress:
     """A ProgressReport that draws a bar on standard error, and clears it when its block ends.
 
-    The text it is given may come from outside. Each report is a checkpoint.
+    The text it is given may come from outside. Each report is a checkpoint. logged_s: where nobody
+    watches (standard error is a file), a line after each so many seconds; no line without it.
     """
 
-    def __init__(self, label: str) -> None:
-        self.label = visible(label)
+    def __init__(self, label: str, logged_s: float | None = None) -> None:
+        self.label, self.logged_s = visible(label), logged_s
+        self._logged_at = time.monotonic()
         stream = sys.stderr
         self._stream = stream if isinstance(stream, SafeStream) else SafeStream(stream)
         self._watched = self._stream.isatty()
@@ -159,6 +162,9 @@ class Progress:
             ]
             self._longest = max(self._longest, len(line))
             self._send("\r" + line.ljust(self._longest))
+        elif self.logged_s is not None and time.monotonic() - self._logged_at >= self.logged_s:
+            self._logged_at = time.monotonic()
+            self._send(f"{self.label}: {visible(text)}\n")
         return True
 
     def __enter__(self) -> Progress:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -30,7 +31,7 @@ from relgloss_view.catalogue.tree import Entry, Tree, is_catalogue, scan
 from relgloss_view.catalogue.work import close_renderer, make_item
 from relgloss_view.material.material import Quality
 
-MOST_DOUBTFUL_NAMED = 5
+MOST_NAMED, LONGEST_PATH = 5, 400  #: of the files passed over
 GOOD = str(Quality.GOOD)
 GO_ON = "--keep-going goes on past faults"
 
@@ -62,6 +63,7 @@ class Report:
     removed: int = 0  #: materials of files that are no longer in the tree
     passed_over: int = 0  #: files that are no tables, materials or proofs
     doubtful: list[str] = field(default_factory=list)  #: of them, those named as tables are
+    importable: list[str] = field(default_factory=list)  #: of them, materials of other programs
     qualities: dict[str, int] = field(default_factory=dict)  #: how many fits are good, poor ...
     faults: list[str] = field(default_factory=list)  #: PATH: what is wrong, sorted
     is_complete: bool = False  #: whether the table was written
@@ -110,16 +112,19 @@ class _Build:
         self.store = Store(catalogue)
         self.report = Report(rows=len(tree.entries), passed_over=tree.passed_over)
         self.report.doubtful = list(tree.doubtful)
+        self.report.importable = list(tree.importable)
         self.keys: dict[str, str] = {}  #: record by path
         self._groups: dict[str, list[Entry]] = {}  #: entries by record
         self._stopped = False
         self._finished = 0
+        self._began = 0.0  #: seconds of a clock, for the progress alone
 
     def build(self) -> Report:
         """Do what is to be done, and write the outcome."""
         self._note_faults(self.tree.faults)
         whole, look_only = self._plan()
         self._total = len(whole) + len(look_only)
+        self._began = time.monotonic()
         if not self._stopped and self._total:
             run(self._tasks(whole, look_only), self._done, self.options.engine)
         self.report.faults.sort()
@@ -190,6 +195,7 @@ class _Build:
         self._finished += 1
         failed = len(self.report.faults)
         words = f"{self._finished:,} of {self._total:,}" + (f", {failed} failed" if failed else "")
+        words += _left_words(time.monotonic() - self._began, self._finished / self._total)
         self.options.progress(self._finished / self._total, f"{words}: {printable(task.name, 40)}")
 
     def _note_failed(self, entries: list[Entry], item: Item | None) -> None:
@@ -213,6 +219,20 @@ class _Build:
         self.report.is_complete = True
 
 
+def _left_words(elapsed_s: float, share: float) -> str:
+    """How long the rest may take, once the beginning counts for little.
+
+    >>> _left_words(60.0, 0.25), _left_words(7200.0, 0.5), _left_words(4.0, 0.25)
+    (', 3 min left', ', 2.0 h left', '')
+    """
+    left_s = elapsed_s * (1.0 - share) / share
+    if elapsed_s < 20.0 or left_s < 60.0:
+        return ""
+    return (
+        f", {left_s / 60.0:.0f} min left" if left_s < 5400.0 else f", {left_s / 3600.0:.1f} h left"
+    )
+
+
 def words_of(report: Report, output: str) -> list[str]:
     """A report as lines for people."""
     lines = []
@@ -231,7 +251,15 @@ def words_of(report: Report, output: str) -> list[str]:
         lines.append(f"{_counted(report.removed, 'material')} of files that are gone: removed")
     if report.passed_over:
         words = _counted(report.passed_over, "file")
-        lines.append(f"{words} passed over: no table, material or proof{_doubtful_words(report)}")
+        lines.append(f"{words} passed over: no table, material or proof")
+        lines += _listed(
+            "is one of these a table? `relgloss measure FILE` prints what is wrong:",
+            report.doubtful,
+        )
+        lines += _listed(
+            "materials of other programs; `relgloss import FILE -o MATERIAL.json` reads them:",
+            report.importable,
+        )
     if report.is_complete:
         lines.append(f"{printable(os.path.join(output, TABLE_FILE))}: written")
     return lines
@@ -250,14 +278,13 @@ def _fits_words(report: Report, output: str) -> list[str]:
     return [line]
 
 
-def _doubtful_words(report: Report) -> str:
-    """The files passed over that may have been meant as tables."""
-    if not report.doubtful:
-        return ""
-    named_ones = ", ".join(printable(path, 60) for path in report.doubtful[:MOST_DOUBTFUL_NAMED])
-    more = len(report.doubtful) - MOST_DOUBTFUL_NAMED
-    named_ones += f" and {more:,} more" if more > 0 else ""
-    return f"; is one of these a table? {named_ones} (`relgloss measure FILE` prints what is wrong)"
+def _listed(heading: str, paths: list[str]) -> list[str]:
+    """A heading and files below it, a line each; nothing without files."""
+    if not paths:
+        return []
+    lines = [f"  {printable(path, LONGEST_PATH)}" for path in paths[:MOST_NAMED]]
+    more = len(paths) - MOST_NAMED
+    return [heading, *lines, *([f"  and {more:,} more"] if more > 0 else [])]
 
 
 def _counted(count: int, noun: str) -> str:

@@ -10,10 +10,12 @@ import numpy as np
 
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
+from relgloss_view.catalogue.columns import COLUMNS as TABLE_COLUMNS
 from relgloss_view.catalogue.query.found import Found, Hit
 from relgloss_view.catalogue.query.terms import GlossRatio
 from relgloss_view.catalogue.query.vocabulary import label_of
 from relgloss_view.catalogue.thumbnail import opened_thumbnail
+from relgloss_view.material.material import Quality
 from relgloss_view.picture.output.contact_sheet import (
     INK_GRAY,
     PAPER_GRAY,
@@ -25,8 +27,10 @@ from relgloss_view.picture.output.lettering import Lettering
 
 MOST = 400  #: pictures on a sheet
 LEAST_COLUMNS, COLUMNS = 4, 8  #: a title has room above four places
+NAME_LINES = 2
 WIDE = 1.5  #: width of a hit's place over its picture's, so that names have room
 DOTS = "..."
+GLOSS_COLUMNS = tuple(column.name for column in TABLE_COLUMNS if column.unit == "GU")
 
 
 def hits_sheet(found: Found, thumbnails: Mapping[str, bytes], size_px: int) -> Bytes:
@@ -36,22 +40,28 @@ def hits_sheet(found: Found, thumbnails: Mapping[str, bytes], size_px: int) -> B
     """
     hits = found.hits[:MOST]
     across = min(COLUMNS, max(LEAST_COLUMNS, math.ceil(math.sqrt(1.5 * len(hits)))))
-    pictures = [_place(hit, thumbnails.get(hit.path), size_px) for hit in hits]
-    captions = [_numbers(hit) for hit in hits]
+    gloss = _gloss_column(found)
+    width = round(WIDE * size_px)
+    letters = Lettering(text_px(width))
+    texts = [[*_name_lines(hit, letters, width), _numbers(hit, gloss)] for hit in hits]
+    lines = max((len(each) for each in texts), default=1) - 1
+    pictures = [
+        _place(thumbnails.get(hit.path), size_px, each[:lines], lines)
+        for hit, each in zip(hits, texts, strict=True)
+    ]
+    captions = ["".join(each[lines:]) for each in texts]
     if not hits:
-        pictures, captions = [_place(None, None, size_px)], [""]
+        pictures, captions = [_place(None, size_px, [], 0, "no hits")], [""]
     while len(pictures) < LEAST_COLUMNS:
         pictures.append(np.full_like(pictures[0], PAPER_GRAY))
         captions.append("")
-    width = pictures[0].shape[1]
-    letters = Lettering(text_px(width))
     room = across * (width + gap_px(width))
     title = f"{len(hits)} of {found.total} hits: {printable(found.query.text, 200) or 'all'}"
     return contact_sheet(
         _rows(pictures, across),
         _rows([_fitted(text, letters, width) for text in captions], across),
         _fitted(title, Lettering(round(1.4 * letters.size)), room),
-        _fitted(_note(hits, found), letters, room),
+        _fitted(_note(hits, found, gloss), letters, room),
     )
 
 
@@ -59,32 +69,41 @@ def _rows(values: Sequence[Any], across: int) -> list[list[Any]]:
     return [list(values[k : k + across]) for k in range(0, len(values), across)]
 
 
-def _place(hit: Hit | None, png: bytes | None, size_px: int) -> Bytes:
-    """A hit's picture in the middle of its place, its name below; words where there is none."""
+def _name_lines(hit: Hit, letters: Lettering, width: int) -> list[str]:
+    return _lines(f"{hit.rank}. {printable(hit.name, 160)}", letters, width)
+
+
+def _place(
+    png: bytes | None, size_px: int, texts: Sequence[str], lines: int, missing: str = "no picture"
+) -> Bytes:
+    """A picture in the middle of its place, with room for some lines of text below."""
     from PIL import Image, ImageDraw
 
     width = round(WIDE * size_px)
     letters = Lettering(text_px(width))
     line = round(1.5 * letters.size)
-    place = Image.new("RGB", (width, size_px + line), (PAPER_GRAY,) * 3)
+    place = Image.new("RGB", (width, size_px + lines * line), (PAPER_GRAY,) * 3)
     picture = opened_thumbnail(png)
     if picture is not None:
         place.paste(picture, ((width - picture.width) // 2, 0))
     pen = ImageDraw.Draw(place)
     ink = (INK_GRAY,) * 3
     if picture is None:
-        words = "no hits" if hit is None else "no picture"
-        letters.draw(pen, (width / 2, size_px / 2), words, ink, "mm")
-    if hit is not None:
-        name = _fitted(f"{hit.rank}. {printable(hit.name, 80)}", letters, width)
-        letters.draw(pen, (width / 2, size_px + 0.6 * line), name, ink, "mm")
+        letters.draw(pen, (width / 2, size_px / 2), missing, ink, "mm")
+    for k, text in enumerate(texts):
+        letters.draw(pen, (width / 2, size_px + (0.6 + k) * line), text, ink, "mm")
     return np.asarray(place)
 
 
-def _numbers(hit: Hit) -> str:
-    """Gloss at 60 degrees, ratio and difference of a hit, as far as it has them."""
+def _gloss_column(found: Found) -> str:
+    """The reading that the query asks for first, else gloss at 60 degrees."""
+    return next((name for name in found.columns if name in GLOSS_COLUMNS), "gloss_60")
+
+
+def _numbers(hit: Hit, column: str) -> str:
+    """Gloss, ratio and difference of a hit, as far as it has them, and what is wrong with it."""
     parts = []
-    gloss = hit.row.get("gloss_60")
+    gloss = hit.row.get(column)
     if gloss is not None:
         parts.append(f"{gloss:.1f} GU")
     ratio = hit.numbers.get("ratio", hit.row.get("gloss_ratio"))
@@ -96,29 +115,60 @@ def _numbers(hit: Hit) -> str:
             break
     if hit.row.get("is_ratio_kept") is False:
         parts.append("cut")
+    quality = str(hit.row.get("quality") or Quality.GOOD)
+    if quality != Quality.GOOD:
+        parts.append(quality)
     return ", ".join(parts) if parts else str(hit.row.get("status") or "")
 
 
-def _note(hits: Sequence[Hit], found: Found) -> str:
+def _note(hits: Sequence[Hit], found: Found, gloss: str) -> str:
     """What the captions mean."""
     ratios = [leaf for leaf in found.query.leaves if isinstance(leaf, GlossRatio)]
     own = found.references.get(ratios[0].reference.text) if ratios else None
     reference = own or "the catalogue's reference"
-    words = f"GU: {label_of('gloss_60')}. x: gloss over that of {printable(reference, 80)}."
+    if not any(hit.row.get(gloss) is not None for hit in hits):
+        return f"Order: {printable(found.order, 200)}."
+    words = f"GU: {label_of(gloss)}. x: gloss over that of {printable(reference, 80)}."
     if any(hit.row.get("is_ratio_kept") is False for hit in hits):
-        words += " cut: shown at c_max, with less gloss than the ratio asks for."
+        words += " cut: shown at c_max, below the ratio."
+    if any(hit.row.get("quality") == Quality.POOR for hit in hits):
+        words += " poor: may be wrong."
     return f"{words} Order: {printable(found.order, 200)}."
 
 
-def _fitted(text: str, letters: Lettering, width: float) -> str:
-    """A text that is cut where it is wider than its place, pixels."""
-    if letters.length(text) <= width:
-        return text
+def _lines(text: str, letters: Lettering, width: float) -> list[str]:
+    """A text in at most NAME_LINES lines of a width; the last one may lack its beginning, for the
+    names of one product differ at their end.
+    """
+    lines: list[str] = []
+    rest = text
+    while len(lines) < NAME_LINES - 1 and letters.length(rest) > width:
+        end = _fitting(rest, letters, width)
+        space = rest.rfind(" ", 0, end + 1)
+        if space > end // 2:  # else a word is broken: half a line would be empty
+            end = space
+        lines.append(rest[:end].rstrip())
+        rest = rest[end:].lstrip()
+    if letters.length(rest) > width:
+        end = _fitting(rest[::-1], letters, width - letters.length(DOTS))
+        rest = DOTS + rest[len(rest) - end :].lstrip()
+    return [*lines, rest]
+
+
+def _fitting(text: str, letters: Lettering, width: float) -> int:
+    """How many first characters of a text are at most as wide as its place, pixels."""
     low, high = 0, len(text)
     while low < high:
         middle = (low + high + 1) // 2
-        if letters.length(text[:middle] + DOTS) <= width:
+        if letters.length(text[:middle]) <= width:
             low = middle
         else:
             high = middle - 1
-    return text[:low].rstrip() + DOTS
+    return low
+
+
+def _fitted(text: str, letters: Lettering, width: float) -> str:
+    """A text that is cut at its end where it is wider than its place, pixels."""
+    if letters.length(text) <= width:
+        return text
+    return text[: _fitting(text, letters, width - letters.length(DOTS))].rstrip() + DOTS

@@ -52,6 +52,7 @@ class Tree:
     passed_over: int
     faults: tuple[str, ...] = ()  #: of folders that can't be read
     doubtful: tuple[str, ...] = ()  #: files passed over though they are named as tables are
+    importable: tuple[str, ...] = ()  #: files passed over that `relgloss import` may read
 
 
 def is_catalogue(folder: str | os.PathLike[str]) -> bool:
@@ -75,7 +76,7 @@ def scan(root: str | os.PathLike[str], seen: Callable[[int], object] = bool) -> 
         raise InputError(f"{named(os.fspath(root))}: is no folder; give a folder of tables")
     entries: list[Entry] = []
     faults: list[str] = []
-    passed_over, doubtful = 0, list[str]()
+    passed_over, doubtful, importable = 0, list[str](), list[str]()
     for number, found in enumerate(_files(top, faults)):
         checkpoint()
         if number >= MOST_FILES:
@@ -89,10 +90,14 @@ def scan(root: str | os.PathLike[str], seen: Callable[[int], object] = bool) -> 
             passed_over += 1
             if found.lower().endswith(_TABLES) and len(doubtful) < MOST_DOUBTFUL:
                 doubtful.append(_path_in(top, found))
+            if found.lower().endswith(_IMPORTABLE) and len(importable) < MOST_DOUBTFUL:
+                importable.append(_path_in(top, found))
         else:
             entries.append(entry)
     entries.sort(key=lambda entry: entry.path)
-    return Tree(tuple(entries), passed_over, tuple(faults), tuple(sorted(doubtful)))
+    doubtful.sort()
+    importable.sort()
+    return Tree(tuple(entries), passed_over, tuple(faults), tuple(doubtful), tuple(importable))
 
 
 def _files(top: str, faults: list[str]) -> Iterator[str]:
@@ -195,6 +200,8 @@ def _names_format(file: str) -> bool:
 
 
 #: Names of tables: one that is passed over may be a table with headings that nobody knows.
+#: Endings of materials of other programs.
+_IMPORTABLE = (".mtlx", ".glb", ".gltf")
 _TABLES = (
     ".csv", ".tsv", ".txt", ".dat", ".xlsx", ".xls", ".ods", ".bsdf", ".binary", ".cxf", ".astm",
 )  # fmt: skip

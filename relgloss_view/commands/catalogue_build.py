@@ -18,6 +18,7 @@ from relgloss_view.commands.table_places import print_fault
 if TYPE_CHECKING:
     from relgloss_view.catalogue.recipe import Recipe
 
+LOGGED_S = 60.0  #: between two lines of a log
 MOST_FAULTS = 20  #: lines on the terminal; the table has all
 
 
@@ -100,7 +101,7 @@ def run(args: argparse.Namespace) -> int:
         args.dashboard,
         report=lambda line: print(line, file=sys.stderr, flush=True),
     )
-    with Progress("catalogue") as progress:
+    with Progress("catalogue", LOGGED_S) as progress:
         options = BuildOptions(engine, args.keep_going, args.retry, progress)
         try:
             report = build(args.folder, args.output, recipe, options)

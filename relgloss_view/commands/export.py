@@ -124,8 +124,8 @@ def run(args: argparse.Namespace) -> int:
     lossy = [printable(name, 60) for name, loss in exported.losses.items() if not loss.is_small]
     if lossy:
         warn(
-            f"compare the pictures before you use the file: more is lost of {', '.join(lossy)} "
-            "than the eye or a gloss meter overlooks"
+            f"compare the pictures before you use the file: the loss of {', '.join(lossy)} can be "
+            "seen, or a gloss meter shows it"
         )
     if exported.losses:
         print(LEGEND)

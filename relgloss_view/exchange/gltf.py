@@ -73,10 +73,19 @@ def _material(material: Material, shape: Shape, bare: bool) -> tuple[bytes, Expo
     number = builder.add("materials", {"name": material.name, **entry, **extras})
     mesh = triangles_of(shape)
     _put_mesh(builder, mesh, shape.kind, [number] * len(mesh.parts), [True] * len(mesh.parts))
-    lines = (*refit.lines, *MATERIAL_LINES)
+    lines = (*refit.lines, *MATERIAL_LINES, _size_line(mesh))
     of_file = {EXTRAS: {"lines": list(lines), "losses": {material.name: own["loss"]}}}
     data = builder.file_bytes({} if bare else of_file)
     return data, Exported(lines, {material.name: refit.loss})
+
+
+def _size_line(mesh: Mesh) -> str:
+    """What a program that opens the file should show: a wrong unit is seen at once."""
+    width, height, depth = (2000.0 * half for half in mesh.half_extent_m.tolist())
+    return (
+        f"size {width:.0f} x {height:.0f} x {depth:.0f} mm (wide, high, deep); glTF counts in "
+        "metres, y is up, the front faces +z"
+    )
 
 
 @dataclass
@@ -125,7 +134,7 @@ def _pack(pack: Pack, most_px: int, bare: bool) -> tuple[bytes, Exported]:
         for k in sorted(lying)
         for line in refits[k].lines[:2] + refits[k].notes
     ]
-    lines += PACK_LINES
+    lines += [*PACK_LINES, _size_line(mesh)]
     if outside > 0.0:
         lines.append(f"{100.0 * outside:.1f} % of the label is outside sRGB and is cut to it")
     losses = {pack.finishes[k].name: refits[k].loss for k in sorted(lying)}

@@ -77,7 +77,7 @@ class _File:
             return self._read(0)
         if part is None:
             raise InputError(
-                f"has {len(self.entries)} materials; choose one with --part NAME: {self._list()}"
+                f"has {len(self._all())} materials; choose one with --part NAME: {self._list()}"
             )
         if part in self.finishes:
             return self._finish(self.finishes[part])
@@ -91,8 +91,11 @@ class _File:
             )
         return self._read(matches[0])
 
+    def _all(self) -> list[str]:
+        return list(dict.fromkeys([*self.names, *self.finishes]))
+
     def _list(self) -> str:
-        names = list(dict.fromkeys([*self.names, *self.finishes]))
+        names = self._all()
         shown = ", ".join(printable(name, 60) for name in names[:LISTED])
         return shown + (f" and {len(names) - LISTED} more" if len(names) > LISTED else "")
 

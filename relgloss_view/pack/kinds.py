@@ -35,12 +35,12 @@ def pack_path(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
     return path
 
 
-def kind_of_pack(path: str | os.PathLike[str]) -> str | None:
+def kind_of_pack(path: str | os.PathLike[str], expected: str = EXPECTED) -> str | None:
     """PACK, ARTWORK, or None for a file of another kind. InputError where it can't be read.
 
-    path: a file, or the name of a shipped pack.
+    path: a file, or the name of a shipped pack. expected: what is wanted, for the message.
     """
-    head = read_beginning(pack_path(path), HEAD_BYTES, EXPECTED)
+    head = read_beginning(pack_path(path), HEAD_BYTES, expected)
     if head.startswith(_PICTURES) or b"%PDF-" in head[:_PDF_WITHIN]:
         return ARTWORK
     if _PACK_LINE.search(head) and set(_TABLE_LINE.findall(head)) <= _OF_PACKS:

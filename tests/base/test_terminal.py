@@ -66,6 +66,16 @@ def test_the_bar_is_cleared(monkeypatch):
     assert not written.split("\r")[-2].strip()
 
 
+@pytest.mark.parametrize(("every_s", "expected"), [(0.0, "fit: one of 2\n"), (1e9, ""), (None, "")])
+def test_a_log_gets_a_line_now_and_then(monkeypatch, every_s, expected):
+    """Where nobody watches, a run of hours would be silent without."""
+    stream = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", stream)
+    with Progress("fit", every_s) as progress:
+        progress(0.5, "one of 2")
+    assert stream.getvalue() == expected
+
+
 def test_nobody_watches(capsys):
     with Progress("fit") as progress:
         assert progress(1.0, "done")

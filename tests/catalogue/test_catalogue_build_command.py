@@ -23,8 +23,9 @@ def quick(monkeypatch):
 
 
 @pytest.fixture
-def build(tmp_path, capsys):
+def build(tmp_path, capsys, monkeypatch):
     """Runs the command on tmp_path/tree; returns status, lines of stdout, lines of stderr."""
+    monkeypatch.setattr("relgloss_view.commands.catalogue_build.LOGGED_S", None)
 
     def run(*options):
         words = ["catalogue", "build", str(tmp_path / "tree"), "-o", str(tmp_path / "stock")]
@@ -38,13 +39,17 @@ def build(tmp_path, capsys):
 def test_what_was_done_is_printed(quick, tmp_path, build):
     quick_tree(tmp_path / "tree")
     (tmp_path / "tree" / "notes.txt").write_text("no sample", encoding="utf-8")
+    (tmp_path / "tree" / "can.glb").write_bytes(b"glTF")
     status, out, err = build()
     assert (status, err) == (0, [])
     assert out == [
         "6 files: 6 done, 0 failed",
         "6 new or changed; 0 only metered and drawn again; 0 unchanged",
-        "1 file passed over: no table, material or proof; is one of these a table? notes.txt "
-        "(`relgloss measure FILE` prints what is wrong)",
+        "2 files passed over: no table, material or proof",
+        "is one of these a table? `relgloss measure FILE` prints what is wrong:",
+        "  notes.txt",
+        "materials of other programs; `relgloss import FILE -o MATERIAL.json` reads them:",
+        "  can.glb",
         f"{tmp_path}/stock/catalogue.parquet: written",
     ]
     shutil.rmtree(tmp_path / "tree" / "lot 0")

@@ -25,12 +25,13 @@ from relgloss_view.base.page_scripts import (
 from relgloss_view.base.reading import printable
 from relgloss_view.base.version import __version__
 from relgloss_view.base.writing import whole_file
-from relgloss_view.catalogue.columns import FAILED
+from relgloss_view.catalogue.columns import FAILED, READINGS
 from relgloss_view.catalogue.page import rows
 from relgloss_view.catalogue.page.plain import failed_list, plain_table
 from relgloss_view.catalogue.page.sentences import say, sentences, text
 from relgloss_view.catalogue.query.found import Found, Hit, Searched
 from relgloss_view.catalogue.query.notes import left_out_words
+from relgloss_view.catalogue.query.vocabulary import label_of
 
 FOLDER = Path(__file__).parent
 ENTRY = "main.js"
@@ -163,7 +164,7 @@ def _head(title: str, found: Found, catalogue: Searched) -> str:
     facts = say(
         "head",
         reference=printable(reference, 80),
-        gloss=printable(recipe.gloss, 40),
+        gloss=label_of(READINGS[recipe.gloss]),
         version=__version__,
     )
     lines = "".join(f'<p class="quiet">{text(printable(note, 400))}</p>\n' for note in notes)

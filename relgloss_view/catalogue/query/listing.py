@@ -7,15 +7,18 @@ from typing import Any
 
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Column, table
-from relgloss_view.catalogue.columns import BY_NAME, FLAG, NUMBER, TEXT, WHOLE
+from relgloss_view.catalogue.columns import BY_NAME, DONE, FLAG, NUMBER, TEXT, WHOLE
 from relgloss_view.catalogue.query.found import Found, Hit, Measure
 from relgloss_view.catalogue.query.notes import left_out_words
 from relgloss_view.catalogue.query.vocabulary import label_of
+from relgloss_view.material.material import Quality
 
 NOTHING = "-"
+BAD = tuple(f"{quality}:" for quality in Quality if quality != Quality.GOOD)
 #: Columns of a query that names none.
 USUAL = ("gloss_60", "quality")
 LONGEST, LONGEST_FAULT = 48, 600  #: characters of a cell
+TAIL = 28  #: of them, those of the end: names of lots differ there
 DECIMALS = {"GU": 1, "degrees": 2}
 COLOURS = ("L_star", "a_star", "b_star")
 
@@ -26,12 +29,9 @@ def listing(found: Found, most: int | None = None) -> str:
     if found.hits:
         shown = tuple(c for c in found.columns if not c.endswith("_se") or _alone(c, found))
         names = shown or USUAL
-        if (
-            "status" in names
-            and "fault" not in names
-            and any(h.row.get("fault") for h in found.hits)
-        ):
-            names = (*names, "fault")  # whoever looks for what failed wants to know why
+        for verdict, reason in (("status", "fault"), ("quality", "warnings")):
+            if verdict in shown and reason not in names and _reasons(found, verdict, reason):
+                names = (*names, reason)  # whoever looks for what went wrong wants to know why
         columns = [
             Column("rank", 4), Column("file", left=True), Column("name", left=True),
             *(Column(_heading(name), left=BY_NAME[name].kind == TEXT) for name in names),
@@ -43,6 +43,12 @@ def listing(found: Found, most: int | None = None) -> str:
     left_out = left_out_words(found)
     lines += [note for note in (*found.notes, left_out and left_out + ".") if note]
     return "\n".join(lines)
+
+
+def _reasons(found: Found, verdict: str, reason: str) -> bool:
+    """Whether a hit has a bad verdict and its reason."""
+    well = (None, "", DONE, str(Quality.GOOD))
+    return any(hit.row.get(verdict) not in well and hit.row.get(reason) for hit in found.hits)
 
 
 def summary(found: Found) -> str:
@@ -72,7 +78,7 @@ def _heading(column: str) -> str:
 
 
 def _cells(hit: Hit, names: tuple[str, ...], found: Found) -> list[str]:
-    cells = [str(hit.rank), printable(hit.path, LONGEST), printable(hit.name, LONGEST)]
+    cells = [str(hit.rank), shortened(hit.path), shortened(hit.name)]
     cells += [value_words(hit.row, name) for name in names]
     for measure in _measures(found):
         value = hit.numbers.get(measure.key)
@@ -97,10 +103,26 @@ def value_words(row: Any, column: str) -> str:
     if kind == WHOLE:
         return str(int(value))
     if kind != NUMBER:
-        return printable(value, LONGEST_FAULT if column == "fault" else LONGEST)
+        if column in ("fault", "warnings"):
+            lines = str(value).splitlines()
+            lines.sort(key=lambda line: not line.startswith(BAD))  # what decided comes first
+            return printable("; ".join(lines), LONGEST_FAULT)
+        return shortened(str(value))
     error = row.get(f"{column}_se")
     words = _number(float(value), column)
     return words if error is None else f"{words} +- {_error(float(error), column)}"
+
+
+def shortened(text: str) -> str:
+    """A text of one line, cut in its middle: files of one product differ at their end.
+
+    >>> shortened("2024/Algro Design Duo/Algro_Design_Duo_60g_lot402.json")
+    '2024/Algro Design...lgro_Design_Duo_60g_lot402.json'
+    """
+    whole = printable(text, LONGEST_FAULT)
+    if len(whole) <= LONGEST:
+        return whole
+    return f"{whole[: LONGEST - TAIL - 3]}...{whole[-TAIL:]}"
 
 
 def _number(value: float, column: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.base.words import listed
+from relgloss_view.catalogue.columns import BY_NAME
 from relgloss_view.catalogue.query.found import Found
 from relgloss_view.catalogue.query.vocabulary import label_of
 
@@ -12,8 +13,9 @@ ERRORS = "Comparisons use the value itself, whatever its standard error."
 
 def reading_note(words: str, value: float, column: str) -> str:
     """The gloss of a reference."""
-    number = f"{value:.1f}" if column.startswith("gloss") else f"{value:.3g}"
-    return f"The reference is {words}, with {label_of(column)} {number}."
+    unit = BY_NAME[column].unit
+    number = f"{value:.1f} {unit}" if unit else f"{value:.3g}"
+    return f"The reference is {words}; its {label_of(column)} is {number}."
 
 
 def colour_note(words: str, lab: Array) -> str:

@@ -84,7 +84,7 @@ class Sample:
         An artwork becomes a can with the finishes that quick_pack chooses. Raises InputError where
         the file can't be read.
         """
-        kind = kind_of_pack(file)
+        kind = kind_of_pack(file, FILE_EXPECTED)
         if kind is None:
             return cls(load_material(file), file=file, table=table)
         if kind == PACK:
@@ -98,6 +98,7 @@ class Sample:
 
 #: In order of gloss, with the optima of the subjective evaluation (Ishii et al., "Results"). The
 #: first is the paper's reference, by its own choice at sigma_N 0 and c_max.
+FILE_EXPECTED = "a material (JSON), a pack (TOML) or an artwork (PDF, PNG, JPEG, TIFF, PSD)"
 SAMPLES = {
     "cast-coated": Setting(0.0, 6 / 6),
     "art-coated": Setting(0.0, 5 / 6),

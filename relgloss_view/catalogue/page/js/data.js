@@ -40,12 +40,18 @@ export function words(name, row) {
   return Number.isNaN(value) ? MISSING : value.toFixed(decimals);
 }
 
+/** An error as people read it: rounded up, so that it is never 0. */
+function roundedUp(error, decimals) {
+  const step = 10 ** -decimals;
+  return (step * Math.max(1, Math.ceil(error / step - 1e-9))).toFixed(decimals);
+}
+
 /** A value with its standard error and unit. */
 export function wholeWords(name, row) {
   const { unit, decimals } = COLUMN.get(name), errors = further("errors")?.[name];
   const text = words(name, row);
   if (text === MISSING) return text;
-  const error = errors && errors[row] !== null ? ` \u00b1 ${errors[row].toFixed(decimals)}` : "";
+  const error = errors && errors[row] !== null ? ` \u00b1 ${roundedUp(errors[row], decimals)}` : "";
   return `${text}${error}${unit ? ` ${unit}` : ""}`;
 }
 

@@ -6,7 +6,7 @@ import { say } from "../../../base/js/sentences.js";
 
 const BEYOND_PX = 600; // drawn above and below what is in view, once there is time; one line until then
 const REST_MS = 120; // after which there is
-const CAPTION_PX = 62, GAP_PX = 8, TABLE_LINE_PX = 56, MOST_PRINTED = 2000;
+const CAPTION_PX = 80, GAP_PX = 8, TABLE_LINE_PX = 56, MOST_PRINTED = 2000;
 const MOST_KEPT = 600; // elements that are kept, so that a picture is decoded once
 
 export class List {
@@ -209,9 +209,10 @@ export class List {
   }
 
   marks(row) {
-    const texts = [];
+    const texts = [], quality = words("quality", row);
+    if (![MISSING, "good"].includes(quality)) texts.push(quality);
     if (fact("ratio_cut", row)) texts.push(say("ratio-cut.short"));
-    if (fact("warned", row)) texts.push(say("warnings.short"));
+    if (fact("warned", row) && [MISSING, "good"].includes(quality)) texts.push(say("warnings.short"));
     return texts.length ? make("span", { class: "marks", text: texts.join(" \u00b7 ") }) : null;
   }
 
@@ -219,7 +220,8 @@ export class List {
   caption(row) {
     const number = ["rank", "name", "path"].includes(this.asked.sort) ? "gloss_60" : this.asked.sort;
     const label = number === "distance" ? say("distance.short") : COLUMN.get(number).label;
-    return `${label} ${this.value(number, row)}`;
+    const unit = number === "distance" ? "" : COLUMN.get(number).unit, value = this.value(number, row);
+    return `${label} ${value}${unit && value !== MISSING ? ` ${unit}` : ""}`;
   }
 
   tile(row) {
