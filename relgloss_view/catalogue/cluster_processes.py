@@ -24,7 +24,7 @@ from typing import Any, BinaryIO
 from relgloss_view.base import followed
 from relgloss_view.base.child import PACKAGE_FOLDER, Child
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.temporaries import scratch_folder
+from relgloss_view.base.temporaries import no_temporary_folder, scratch_folder
 from relgloss_view.catalogue import cluster_worker
 from relgloss_view.catalogue.cluster_evidence import Evidence
 from relgloss_view.catalogue.cluster_worker import LOGIN, LOOPBACK, ONE_THREAD, WORKER_CONFIG
@@ -127,6 +127,7 @@ def local_cluster(
             "distributed.comm.timeouts.connect": "10s",
         }
         stack.enter_context(dask.config.set(config))
+        stack.enter_context(_faults_of_start())
         security = distributed.Security.temporary()
         cluster = distributed.LocalCluster(
             n_workers=0,
@@ -146,6 +147,17 @@ def local_cluster(
         processes = Processes(number, folder, evidence, MEMORY_SHARE * MEMORY_LIMIT / number)
         stack.callback(processes.close)
         yield cluster, processes
+
+
+@contextlib.contextmanager
+def _faults_of_start() -> Iterator[None]:
+    """Dask's "failed to start" as one line, where the system is at fault: a full disk, no files."""
+    try:
+        yield
+    except RuntimeError as error:
+        if not isinstance(error.__cause__, OSError):
+            raise
+        raise no_temporary_folder(error.__cause__) from error
 
 
 @contextlib.contextmanager
