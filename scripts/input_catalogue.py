@@ -48,13 +48,13 @@ def searched(path: Path) -> object:
 @contextlib.contextmanager
 def _unsearched() -> Iterator[None]:
     from relgloss_view.exchange import judge, refit_lobes
-    from relgloss_view.exchange.search import Family, Found
+    from relgloss_view.exchange.ways import Family, Way
 
-    def first(target: Any, families: tuple[Family, ...]) -> tuple[Found, ...]:
+    def first(target: Any, families: tuple[Family, ...]) -> tuple[Way, ...]:
         surface = families[0].make(np.array([unknown.start for unknown in families[0].unknowns]))
-        return (Found(families[0].name, surface, judge.compare(target, surface)),)
+        return (Way(families[0].name, surface, judge.compare(target, surface)),)
 
-    with mock.patch.object(refit_lobes, "nearest", first):
+    with mock.patch.object(refit_lobes, "ways_to_show", first):
         yield
 
 
@@ -159,26 +159,17 @@ def query(path: Path) -> object:
         raise InputError(f"{path}: {error}") from error
 
 
-class _Few:
-    """A catalogue of a few rows in memory."""
-
-    def __init__(self) -> None:
-        from relgloss_view.catalogue.recipe import Recipe
-
-        self.folder, self.recipe, self.rows = Path("few"), Recipe(), tuple(_rows(5))
-
-    def thumbnails(self, paths: Any) -> dict[str, bytes]:
-        return {path: _picture(k) for k, path in enumerate(paths)}
-
-    def material(self, path: str) -> Any:
-        from relgloss_view.material.files import load_material
-
-        return load_material(asset("materials", "uncoated.json"))
-
-
 @functools.cache
 def _few() -> Any:
-    return _Few()
+    """A catalogue of a few rows in memory."""
+    from made_catalogue import MemoryCatalogue
+
+    from relgloss_view.material.files import load_material
+
+    rows = _rows(5)
+    material = load_material(asset("materials", "uncoated.json"))
+    pictures = {row["path"]: _picture(k) for k, row in enumerate(rows)}
+    return MemoryCatalogue(rows, dict.fromkeys(pictures, material), pictures)
 
 
 # Valid files

@@ -1,4 +1,4 @@
-"""Made rows of a catalogue, in memory or as a folder: what its panel is tested and measured with.
+"""Made catalogues, in memory or as a folder: what searches, page and panel are tested with.
 
 Usage: python scripts/made_catalogue.py CATALOGUE [COUNT]
 """
@@ -9,7 +9,7 @@ import functools
 import io
 import json
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -107,23 +107,57 @@ def write_materials(folder: Path, rows: Iterable[dict[str, Any]]) -> None:
             save_material(material, file)
 
 
-class MadeCatalogue:
-    """As much of a Catalogue as searches and the window use; `asked` notes the pictures."""
+class MemoryCatalogue:
+    """As much of a Catalogue as searches, pages and the window use, of rows that are declared.
 
-    def __init__(self, folder: Path, count: int) -> None:
-        self.folder, self.recipe = Path(folder), Recipe()
-        rows = sorted_rows(count)
-        self.rows = [row for _, row in rows]
-        self._numbers = {row["path"]: k for k, row in rows}
+    rows: what they lack is empty; done tables unless they say otherwise. materials, thumbnails
+    (PNG): by path. `asked` notes the paths of the thumbnails that were asked for.
+    """
+
+    def __init__(
+        self,
+        rows: Iterable[dict[str, Any]],
+        materials: Mapping[str, Material] | None = None,
+        thumbnails: Mapping[str, bytes] | None = None,
+        recipe: Recipe | None = None,
+        folder: str | Path = "catalogue",
+    ) -> None:
+        usual = {**dict.fromkeys(NAMES), "status": "done", "kind": "table"}
+        self.rows = sorted(({**usual, **row} for row in rows), key=lambda row: str(row["path"]))
+        for row in self.rows:
+            row.pop("thumbnail", None)
+        self.materials, self.pictures = materials or {}, thumbnails or {}
+        self.recipe, self.folder = recipe or Recipe(), Path(folder)
         self.asked: list[list[str]] = []
-        write_materials(self.folder, self.rows[:4])
+
+    def picture(self, path: str) -> bytes | None:
+        """The picture of an item; None where it has none."""
+        return self.pictures.get(path)
 
     def thumbnails(self, paths: Iterable[str]) -> dict[str, bytes]:
         """Pictures by path."""
         wanted = list(paths)
         self.asked.append(wanted)
-        numbers = {path: self._numbers[path] for path in wanted}
-        return {path: png_of(k % GRAYS) for path, k in numbers.items() if not is_failed(k)}
+        made = ((path, self.picture(path)) for path in wanted)
+        return {path: picture for path, picture in made if picture is not None}
+
+    def material(self, path: str) -> Material:
+        """The material of an item."""
+        return self.materials[path]
+
+
+class MadeCatalogue(MemoryCatalogue):
+    """The rows of row_of, with their pictures; the first few have material files."""
+
+    def __init__(self, folder: Path, count: int) -> None:
+        super().__init__((row_of(k) for k in range(count)), folder=folder)
+        self._numbers = {str(row_of(k)["path"]): k for k in range(count)}
+        write_materials(self.folder, self.rows[:4])
+
+    def picture(self, path: str) -> bytes | None:
+        """The picture of an item; None where it has none."""
+        k = self._numbers[path]
+        return None if is_failed(k) else png_of(k % GRAYS)
 
     def material_file(self, path: str) -> Path:
         """The material file of an item."""

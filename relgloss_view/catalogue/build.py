@@ -21,7 +21,7 @@ from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.catalogue.columns import FAILED, TABLE_FILE
 from relgloss_view.catalogue.engine import EngineOptions, Lost, Task, run
 from relgloss_view.catalogue.folder import claimed, write_mark
-from relgloss_view.catalogue.item import OF_MACHINE, Fitted, Item
+from relgloss_view.catalogue.item import OF_LOOK, OF_MACHINE, Fitted, Item
 from relgloss_view.catalogue.look import reference_of
 from relgloss_view.catalogue.outcome import write_outcome
 from relgloss_view.catalogue.recipe import Recipe
@@ -191,7 +191,8 @@ class _Build:
         else:
             self.report.drawn_again += 1
         arguments = (first.file, first.path, first.kind, first.sha256, self.recipe, fitted)
-        return Task(key, first.path, make_item, arguments)
+        sort = first.kind if fitted is None else OF_LOOK
+        return Task(key, first.path, make_item, arguments, sort)
 
     def _done(self, task: Task, result: Item | Lost) -> None:
         """Keep a result, whichever comes first."""

@@ -1,8 +1,9 @@
 """The engine that works in processes: Dask's, on this machine or on a running cluster.
 
 A few tasks for each worker are in flight, so no worker waits for the driver and the driver holds no
-more than those. A task whose worker died is set aside until all others are done. Then each of them
-has a worker of its own, where what it does to that worker shows (cluster_evidence.py).
+more than those; cheap ones travel together (cluster_batches.py). A task whose worker died is set
+aside until all others are done. Then each of them has a worker of its own, where what it does to
+that worker shows (cluster_evidence.py).
 """
 
 from __future__ import annotations
@@ -12,19 +13,21 @@ import itertools
 import time
 import uuid
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.interruptions import STEP_S, checkpoint
-from relgloss_view.catalogue.cluster_check import check_scheduler, checked
+from relgloss_view.catalogue.cluster_batches import LONGEST_S, Batches
+from relgloss_view.catalogue.cluster_check import Inspection, check_scheduler
 from relgloss_view.catalogue.cluster_evidence import Evidence
-from relgloss_view.catalogue.cluster_processes import Processes, local_cluster, silent
+from relgloss_view.catalogue.cluster_processes import Processes, dashboard_link, local_cluster, silent
 from relgloss_view.catalogue.cluster_worker import Program, Refused, perform, this_program
 from relgloss_view.catalogue.engine import MOST_WORKERS, Done, EngineOptions, Lost, Task
 
-IN_FLIGHT = 2  #: tasks of a worker: one at work, one that waits there
+IN_FLIGHT = 2  #: batches of a worker: one at work, one that waits there
+WAITED_S = 0.2  #: between two checkpoints; a result ends the wait
 COUNTED_S = 0.5  #: between two counts of the workers
 ANSWER_S = 10.0  #: so long a scheduler may take to answer
 GONE_S = 2.0  #: so long after a worker has gone, what it did may still be on its way
@@ -68,17 +71,18 @@ def on_processes(tasks: Iterable[Task], done: Done, options: EngineOptions) -> N
         if processes is None:
             check_scheduler(client, address)
         if options.dashboard:
-            options.report(f"Dask's dashboard: {client.dashboard_link}")
-        _Run(client, processes, evidence, options).work_off(tasks, done)
+            link = client.dashboard_link if processes is None else dashboard_link(client.cluster)
+            options.report(f"Dask's dashboard: {link}")
+        _Run(client, processes, evidence, options, tasks, done).work_off()
 
 
 @dataclass
 class _Flight:
-    """A task that a worker has, or will have."""
+    """Tasks that a worker has, or will have."""
 
-    task: Task
+    tasks: tuple[Task, ...]
     begun_s: float
-    worker: str | None = None  #: address of the one that has this task alone
+    worker: str | None = None  #: address of the one that has a task alone
     gone_s: float | None = None  #: when that worker was found gone
 
 
@@ -86,118 +90,124 @@ class _Run:
     """One run of an engine."""
 
     def __init__(
-        self, client: Any, processes: Processes | None, evidence: Evidence, options: EngineOptions
+        self,
+        client: Any,
+        processes: Processes | None,
+        evidence: Evidence,
+        options: EngineOptions,
+        tasks: Iterable[Task],
+        done: Done,
     ) -> None:
         from distributed import as_completed
 
         self._client, self._processes = client, processes
-        self._evidence, self._options = evidence, options
+        self._evidence, self._options, self._done = evidence, options, done
         self._program: Program = this_program()
+        self._batches = Batches(tasks)
+        self._aside: deque[Task] = deque()  #: a worker died under them
         self._flights: dict[Any, _Flight] = {}
         self._completed = as_completed(loop=client.loop, with_results=True, raise_errors=False)
         self._keys = (f"relgloss-{uuid.uuid4().hex[:12]}-{n}" for n in itertools.count())
         self._known: dict[str, str] = {}  #: names of the scheduler's workers, by address
-        self._checked: set[str] = set()  #: addresses of workers that have this program
+        self._inspection = Inspection(client, self._program)
         self._counted_s = 0.0
         self._seen_s = time.monotonic()  #: when a worker was there last
 
-    def work_off(self, tasks: Iterable[Task], done: Done) -> None:
+    def work_off(self) -> None:
         """Call `done` for every task."""
-        source: Iterator[Task] = iter(tasks)
-        again: deque[Task] = deque()  #: the scheduler has lost them
-        aside: deque[Task] = deque()  #: a worker died under them
-        exhausted = False
         while True:
             checkpoint()
             self._look()
-            while not exhausted and len(self._flights) < IN_FLIGHT * len(self._known):
-                task = again.popleft() if again else next(source, None)
-                if task is None:
-                    exhausted = True
-                else:
-                    self._submit(task)
-            exhausted = exhausted and not again
+            exhausted = self._submit_batches()
             if exhausted and all(flight.worker for flight in self._flights.values()):
-                self._submit_alone(aside)
-                if not aside and not self._flights:
+                self._submit_alone()
+                if not self._aside and not self._flights:
                     return
             self._wait()
             for future, result in self._completed.next_batch(block=False):
                 flight = self._flights.pop(future, None)
                 if flight is not None:
-                    self._finish(flight, future, result, done, again, aside)
+                    self._finish(flight, future, result)
             for flight in self._left_behind():
-                self._judge(flight, 1, done, aside)
+                self._judge(flight, 1)
+
+    def _submit_batches(self) -> bool:
+        """Give each worker something to do. Returns whether no task is left that can be given."""
+        while len(self._flights) < IN_FLIGHT * len(self._known):
+            batch = self._batches.next()
+            if not batch:
+                return True
+            self._submit(batch)
+        return False
 
     def _wait(self) -> None:
         """Wait for a result, a short while."""
         ready = self._completed.thread_condition
         with ready:
             if not self._completed.has_ready():
-                ready.wait(STEP_S)
+                ready.wait(WAITED_S)
 
-    def _finish(
-        self,
-        flight: _Flight,
-        future: Any,
-        result: Any,
-        done: Done,
-        again: deque[Task],
-        aside: deque[Task],
-    ) -> None:
+    def _finish(self, flight: _Flight, future: Any, result: Any) -> None:
         from distributed import KilledWorker
 
-        task = flight.task
-        if future.status == "cancelled":
-            again.append(task)
+        if future.status == "cancelled":  # the scheduler has lost them
+            self._batches.put_back(flight.tasks)
         elif future.status == "finished":
-            if isinstance(result, Refused):
-                raise result.error()
-            self._evidence.forget(task.key)
-            done(task, result)
+            begun = flight.tasks[: len(result.results)]
+            for task, each, took_s in zip(begun, result.results, result.seconds, strict=True):
+                if isinstance(each, Refused):
+                    raise each.error()
+                self._evidence.forget(task.key)
+                self._batches.note(task, took_s)
+                self._done(task, each)
+            self._batches.put_back(flight.tasks[len(begun) :])
         else:
             _, error, trace = result
             if not isinstance(error, KilledWorker):
                 raise error.with_traceback(trace)
-            self._judge(flight, error.allowed_failures + 1, done, aside)
+            self._judge(flight, error.allowed_failures + 1)
 
-    def _judge(self, flight: _Flight, deaths: int, done: Done, aside: deque[Task]) -> None:
-        """So many workers have died under a task: it is lost, or tried again alone."""
+    def _judge(self, flight: _Flight, deaths: int) -> None:
+        """So many workers have died under tasks: they are tried again alone, or one is lost."""
+        if flight.worker is None:
+            self._aside += flight.tasks
+            return
         if self._processes is None:
             self._evidence.deaths += deaths
-        key = flight.task.key
-        if flight.worker is not None:
-            ended_s = flight.gone_s or time.monotonic()
-            took_s = (ended_s - flight.begun_s) / deaths
-            if self._evidence.died(key, took_s, len(self._known), deaths=deaths):
-                done(flight.task, Lost(self._evidence.tries(key)))
-                return
-        aside.append(flight.task)
+        (task,) = flight.tasks
+        took_s = ((flight.gone_s or time.monotonic()) - flight.begun_s) / deaths
+        if self._evidence.died(task.key, took_s, len(self._known), deaths=deaths):
+            tries = self._evidence.tries(task.key)
+            self._evidence.forget(task.key)
+            self._done(task, Lost(tries))
+        else:
+            self._aside.append(task)
 
-    def _submit(self, task: Task, worker: str | None = None) -> None:
-        """Hand a task to Dask; to one worker alone, if it is named."""
+    def _submit(self, tasks: tuple[Task, ...], worker: str | None = None) -> None:
+        """Hand tasks to Dask; one to one worker alone, if it is named."""
         if worker is not None:
-            self._evidence.begin(task.key)
+            self._evidence.begin(tasks[0].key)
         future = self._client.submit(
             perform,
-            task,
+            tasks,
             self._program,
+            LONGEST_S,
             key=next(self._keys),
             pure=False,
             workers=None if worker is None else [worker],
         )
-        self._flights[future] = _Flight(task, time.monotonic(), worker)
+        self._flights[future] = _Flight(tasks, time.monotonic(), worker)
         self._completed.add(future)
 
-    def _submit_alone(self, aside: deque[Task]) -> None:
+    def _submit_alone(self) -> None:
         """Bind tasks that were set aside to workers that have nothing else, as far as they go."""
-        if not aside:
+        if not self._aside:
             return
         self._count()  # a worker that has just died would take the blame to the next task
         taken = {flight.worker for flight in self._flights.values()}
         for worker in [address for address in self._known if address not in taken]:
-            if aside:
-                self._submit(aside.popleft(), worker)
+            if self._aside:
+                self._submit((self._aside.popleft(),), worker)
 
     def _left_behind(self) -> list[_Flight]:
         """Take back tasks whose only worker has gone: Dask waits for that worker for ever."""
@@ -242,9 +252,12 @@ class _Run:
             with contextlib.suppress(OSError, TimeoutError, RuntimeError):
                 answer = self._client.sync(self._client.scheduler.ncores, callback_timeout=ANSWER_S)
                 present = set(answer)
-                self._checked &= present
-                self._checked |= checked(self._client, present - self._checked, self._program)
-        self._known = {address: address for address in self._checked & present}
+                alone = {flight.worker for flight in self._flights.values()}
+                gone = self._known.keys() - present - alone
+                self._evidence.deaths += len(gone)  # those that have a task alone are judged
+                self._known = dict.fromkeys(self._inspection.passed(present), "")
+                return
+        self._known = {}
 
     def _loss(self) -> str:
         waited = f"for {self._options.patience_s:g} s; what is done is kept"

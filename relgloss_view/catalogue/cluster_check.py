@@ -7,6 +7,7 @@ scheduler without it would refuse each. So both are first asked by functions tha
 from __future__ import annotations
 
 import pkgutil
+import threading
 from collections.abc import Collection
 from typing import Any
 
@@ -27,32 +28,70 @@ def check_scheduler(client: Any, address: str) -> None:
         return
 
 
-def checked(client: Any, addresses: Collection[str], expected: Program) -> set[str]:
-    """Those of the workers that have answered; raises InputError where one has another program."""
-    answers = _answers(client, addresses, pkgutil.resolve_name, VERSION)
-    for address, version in answers.items():
-        if isinstance(version, (ImportError, AttributeError)):
-            raise InputError(f"worker {address}: it has no relgloss ({version}); {REMEDY}")
-        if version != expected.version:
-            raise InputError(
-                f"worker {address}: relgloss {version} in place of {expected.version}; {REMEDY}"
-            )
-    programs = _answers(client, answers, this_program)
-    for address, program in programs.items():
-        if isinstance(program, Exception):
-            raise InputError(f"worker {address}: another relgloss ({program}); {REMEDY}")
-        difference = expected.difference(program)
-        if difference:
-            raise InputError(f"worker {address}: another program: {difference}; {REMEDY}")
-    return set(programs)
+class Inspection:
+    """Which workers may get tasks: those that have answered, and with this program.
+
+    Each is asked in a thread of its own, because one that hangs never answers.
+    """
+
+    def __init__(self, client: Any, expected: Program) -> None:
+        self._client, self._expected = client, expected
+        self._asked: dict[str, list[InputError | bool]] = {}  #: what has come of it, by address
+
+    def passed(self, present: Collection[str]) -> set[str]:
+        """Those of the workers that have passed; raises InputError where one has another program.
+
+        New ones are asked, and may pass the next time.
+        """
+        for address in self._asked.keys() - set(present):
+            del self._asked[address]
+        passed = set()
+        for address in present:
+            come = self._asked.get(address)
+            if come is None or False in come:
+                come = self._asked[address] = []
+                words = (self._client, address, self._expected, come)
+                threading.Thread(target=_inspect, args=words, daemon=True).start()
+            for outcome in come:
+                if isinstance(outcome, InputError):
+                    raise outcome
+                passed.add(address)
+        return passed
 
 
-def _answers(client: Any, addresses: Collection[str], *words: Any) -> dict[str, Any]:
-    """What workers answer, by address; those that have gone in the meantime are left out."""
-    if not addresses:
-        return {}
+def _inspect(
+    client: Any, address: str, expected: Program, outcome: list[InputError | bool]
+) -> None:
+    """Ask a worker. The outcome is True, False where it can't be asked, or what is wrong."""
     try:
-        given = client.run(*words, workers=list(addresses), on_error="return")
-    except (OSError, TimeoutError, ValueError):
-        return {}
-    return {key: value for key, value in given.items() if not isinstance(value, OSError)}
+        outcome.append(_check_worker(client, address, expected))
+    except InputError as error:
+        outcome.append(error)
+    except Exception:  # the client is closed, or the worker has gone meanwhile
+        outcome.append(False)
+
+
+def _check_worker(client: Any, address: str, expected: Program) -> bool:
+    version = _answer(client, address, pkgutil.resolve_name, VERSION)
+    if isinstance(version, (ImportError, AttributeError)):
+        raise InputError(f"worker {address}: it has no relgloss ({version}); {REMEDY}")
+    if isinstance(version, Exception):
+        return False
+    if version != expected.version:
+        raise InputError(
+            f"worker {address}: relgloss {version} in place of {expected.version}; {REMEDY}"
+        )
+    program = _answer(client, address, this_program)
+    if isinstance(program, OSError):
+        return False
+    if isinstance(program, Exception):
+        raise InputError(f"worker {address}: another relgloss ({program}); {REMEDY}")
+    difference = expected.difference(program)
+    if difference:
+        raise InputError(f"worker {address}: another program: {difference}; {REMEDY}")
+    return True
+
+
+def _answer(client: Any, address: str, *words: Any) -> Any:
+    """What a worker answers: a result, or an exception."""
+    return client.run(*words, workers=[address], on_error="return")[address]

@@ -34,6 +34,8 @@ MOST_STILLBORN = 12
 MEMORY_SHARE = 0.85  #: of the machine's memory, all workers together
 LOOKED_S = 0.2  #: between two looks at the workers
 CLOSED_S = 2.0
+INSTALL_BOKEH = "python -m pip install 'relgloss-view[dashboard]'"
+SYNCED_S = 3600.0  #: between two answers to a question that nobody asks here
 LOGGERS = ("distributed", "tornado", "asyncio", "bokeh")
 
 
@@ -111,7 +113,7 @@ def local_cluster(
 ) -> Iterator[tuple[Any, Processes]]:
     """A scheduler in this process and workers beside it. Yields (Dask's cluster, Processes)."""
     if dashboard and importlib.util.find_spec("bokeh") is None:
-        raise InputError("Dask's dashboard needs bokeh; install it with: pip install bokeh")
+        raise InputError(f"--dashboard: Dask's page needs bokeh; install it with: {INSTALL_BOKEH}")
     import dask
     import distributed
     from distributed.system import MEMORY_LIMIT
@@ -124,6 +126,7 @@ def local_cluster(
             "distributed.scheduler.allowed-failures": 0,  # this program judges deaths itself
             "distributed.scheduler.preload": [],
             "distributed.scheduler.worker-ttl": None,  # a worker may compute for long
+            "distributed.scheduler.work-stealing-interval": "500ms",
             "distributed.comm.timeouts.connect": "10s",
         }
         stack.enter_context(dask.config.set(config))
@@ -133,20 +136,35 @@ def local_cluster(
             n_workers=0,
             threads_per_worker=1,
             processes=True,
-            host=LOOPBACK,
             security=security,
             dashboard_address=f"{LOOPBACK}:0",
             silence_logs=logging.CRITICAL,
-            scheduler_kwargs={"dashboard": dashboard},
+            scheduler_sync_interval=SYNCED_S,
+            scheduler_kwargs={
+                "dashboard": dashboard,
+                # This program speaks to its own scheduler by queues, the workers by sockets.
+                "protocol": ["inproc", "tls"],
+                "host": [None, LOOPBACK],
+            },
         )
         stack.callback(cluster.close, timeout=CLOSED_S)
-        login = {"address": cluster.scheduler_address, "security": _keys(security)}
+        *_, listener = cluster.scheduler.listeners
+        login = {
+            "address": listener.contact_address,
+            "security": _keys(security),
+            "beats": dashboard,
+        }
         with os.fdopen(os.open(folder / LOGIN, os.O_CREAT | os.O_WRONLY | os.O_EXCL, 0o600), "w",
                        encoding="utf-8") as file:  # fmt: skip
             json.dump(login, file)
         processes = Processes(number, folder, evidence, MEMORY_SHARE * MEMORY_LIMIT / number)
         stack.callback(processes.close)
         yield cluster, processes
+
+
+def dashboard_link(cluster: Any) -> str:
+    """Address of a local cluster's page: the cluster itself names the machine's, not loopback's."""
+    return f"http://{LOOPBACK}:{cluster.scheduler.services['dashboard'].port}/status"
 
 
 @contextlib.contextmanager

@@ -13,6 +13,7 @@ import os
 import platform
 import socket
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
@@ -54,6 +55,7 @@ class Program:
     digest: str  #: SHA-256 of the package's modules, shaders and assets
     python: str
     numpy: str
+    scipy: str
 
     def difference(self, other: Program) -> str:
         """Where another program differs, in words; empty where it does not."""
@@ -61,6 +63,7 @@ class Program:
             ("relgloss", self.version, other.version),
             ("Python", self.python, other.python),
             ("numpy", self.numpy, other.numpy),
+            ("scipy", self.scipy, other.scipy),
             ("digest of relgloss, its shaders and assets", self.digest[:12], other.digest[:12]),
         )
         return "; ".join(f"{what} {theirs} in place of {ours}" for what, ours, theirs in pairs
@@ -82,7 +85,7 @@ class Refused:
 @lru_cache(maxsize=1)
 def this_program() -> Program:
     """The program of this process. Takes some tenths of a second, once."""
-    import numpy as np
+    from importlib.metadata import version
 
     package = Path(__file__).resolve().parent.parent
     root = data_root()
@@ -95,26 +98,59 @@ def this_program() -> Program:
                 digest.update(f"{words}\0{path.stat().st_size}\0".encode())
                 digest.update(path.read_bytes())
     python = ".".join(platform.python_version_tuple()[:2])
-    return Program(__version__, digest.hexdigest(), python, np.__version__)
+    return Program(__version__, digest.hexdigest(), python, version("numpy"), version("scipy"))
 
 
-def perform(task: Task, expected: Program) -> Any:
-    """Do a task, in a worker. Returns its result, or Refused."""
+@dataclass(frozen=True)
+class Performed:
+    """What has come of a batch of tasks, from its first one on; those behind were not begun.
+
+    results: the last one may be Refused, in place of a result. seconds: of each.
+    """
+
+    results: tuple[Any, ...]
+    seconds: tuple[float, ...]
+
+
+def perform(tasks: tuple[Task, ...], expected: Program, longest_s: float) -> Performed:
+    """Do tasks one after the other, in a worker; none is begun after so many seconds."""
     difference = expected.difference(this_program())
     if difference:
-        return Refused(f"{worker_name()}: another program: {difference}; install the same there")
+        words = f"{worker_name()}: another program: {difference}; install the same there"
+        return Performed((Refused(words),), (0.0,))
     for name, value in ONE_THREAD.items():  # a cluster's worker that was started without
         os.environ.setdefault(name, value)
-    try:
-        return _thread.submit(_result, task).result()
-    except (RelglossError, OSError) as error:
-        can_draw = not isinstance(error, GLUnavailableError)
-        return Refused(f"{worker_name()}: {task.name}: {error}", can_draw)
+    return _thread.submit(_performed, tasks, longest_s).result()
+
+
+def _performed(tasks: tuple[Task, ...], longest_s: float) -> Performed:
+    results: list[Any] = []
+    seconds: list[float] = []
+    begun_s = before_s = time.monotonic()
+    with one_thread():
+        for task in tasks:
+            if results and before_s > begun_s + longest_s:
+                break
+            try:
+                results.append(_result(task))
+            except Exception:
+                if results:  # they are kept; the task comes again, as the first one
+                    break
+                raise
+            after_s = time.monotonic()
+            seconds.append(after_s - before_s)
+            before_s = after_s
+            if isinstance(results[-1], Refused):
+                break
+    return Performed(tuple(results), tuple(seconds))
 
 
 def _result(task: Task) -> Any:
-    with one_thread():
+    try:
         return task.result()
+    except (RelglossError, OSError) as error:
+        can_draw = not isinstance(error, GLUnavailableError)
+        return Refused(f"{worker_name()}: {task.name}: {error}", can_draw)
 
 
 def worker_name() -> str:
@@ -147,6 +183,7 @@ def main(folder: str, name: str) -> int:
     with contextlib.suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text(FIRST_TO_GO, encoding="ascii")
     login = json.loads(Path(folder, LOGIN).read_text(encoding="utf-8"))
+    this_program()  # before the first task, whose time would be longer
 
     async def serve() -> None:
         worker = distributed.Worker(
@@ -160,6 +197,8 @@ def main(folder: str, name: str) -> int:
             memory_limit=0,
         )
         async with worker:
+            if not login["beats"]:  # the program sees by itself which of its children are alive
+                worker.periodic_callbacks["heartbeat"].stop()
             await worker.finished()
 
     with dask.config.set(WORKER_CONFIG):

@@ -20,8 +20,9 @@ MOST_WORKERS = 256  #: of one machine
 class Task:
     """One piece of work: `function(*arguments)`, in whichever process.
 
-    key: names the task among those of a run. name: the file, for people. The function is one of a
-    module of this package and everything else can be pickled, as another process makes the call.
+    key: names the task among those of a run. name: the file, for people. sort: tasks of one sort
+    take about as long as each other. The function is one of a module of this package and everything
+    else can be pickled, as another process makes the call.
     The function returns a fault of the item as its result; it raises InputError only where the
     process or the machine that works is at fault, such as a folder that it can't read: that ends
     the run.
@@ -31,6 +32,7 @@ class Task:
     name: str
     function: Callable[..., Any]
     arguments: tuple[Any, ...] = ()
+    sort: str = ""
 
     def result(self) -> Any:
         """Do the work, in this process."""

@@ -39,6 +39,7 @@ MOST_LEAVES = 2_000_000  #: of a tree; about 12 MB
 #: Chromaticities closer than this are one: a twentieth of what an eye tells apart in u'v' is 2e-4,
 #: and a highlight's own mixture of body and lobe changes a hundred times as much.
 UV_WITHIN = 1e-3
+LONGEST_TEXT = 400  #: characters of a name or a comment
 NEUTRAL_WITHIN = 5e-4  #: u'v' of a neutral, whose file has the luminance alone
 
 _HEAD = """<?xml version="1.0" encoding="UTF-8"?>
@@ -80,7 +81,7 @@ def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported
     lines = (loss.verdict, f"in the file: {loss.words}", *lines, *metal_notes(what))
     head = _HEAD.format(
         comment="".join(f"<!-- {_comment(line)} -->\n" for line in (f"{PROGRAM}", *lines)),
-        name=escape(_plain(what.name)),
+        name=escape(printable(what.name, LONGEST_TEXT)),
         maker=escape(PROGRAM),
         structure=structure,
         basis=definition,
@@ -167,10 +168,10 @@ def _tree_block(wavelength: str, tree: Tree) -> str:
 
 
 def _comment(line: str) -> str:
-    """A line within an XML comment, where two hyphens end it."""
-    return escape(_plain(line)).replace("--", "- -")
+    """A line within an XML comment, where two hyphens end it.
 
-
-def _plain(text: str) -> str:
-    """A text without control characters, which XML has no way to hold."""
-    return printable(text, 400)
+    >>> _comment("one --- two")
+    'one - - - two'
+    """
+    text = escape(printable(line, LONGEST_TEXT))
+    return text.replace("--", "- -").replace("--", "- -")  # three of them leave a second pair

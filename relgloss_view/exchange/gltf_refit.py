@@ -9,7 +9,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.exchange.gltf_brdf import WHITE, Colour, GltfSurface
 from relgloss_view.exchange.refit import NARROWEST, Refit, colour_notes, linear_rgb
-from relgloss_view.exchange.search import Family, Unknown, nearest
+from relgloss_view.exchange.ways import Family, Unknown, ways_to_show
 from relgloss_view.gloss.meter.meter import main_lobe
 from relgloss_view.material.material import Lobe, Material
 
@@ -54,7 +54,7 @@ class _Held:
 @lru_cache(maxsize=KEPT)
 def _refitted(held: _Held, keeps_body: bool) -> Refit:
     material = held.material
-    best, *others = nearest(material, families(material, keeps_body))
+    best, *others = ways_to_show(material, families(material, keeps_body))
     return Refit(best.surface, best.name, best.loss, tuple(others), _notes(material))
 
 

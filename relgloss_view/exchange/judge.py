@@ -146,14 +146,6 @@ def points_at(azimuth_deg: float, columns: Array, rows: Array) -> Points:
     return Points(i, o, facing, np.pi * lit[kept] / white)
 
 
-def lit_at(azimuth_deg: float, columns: Array, rows: Array) -> Mask:
-    """Which places points_at keeps: where the object is seen, and the lamp reaches it."""
-    setup = Setup(lamp=Lamp(azimuth_deg=azimuth_deg))
-    hit, _, _ = sight(setup.shape, view_of(setup.shape, setup.eye, SIZE), columns, rows)
-    seen_white = lights.white_seen(setup, hit.point_m, hit.normal)
-    return np.asarray(hit.found & (seen_white > 0.0))
-
-
 @lru_cache(maxsize=8)
 def white_of(azimuth_deg: float) -> float:
     """The largest of cos_i / d^2 in the picture, 1/m^2, where the perfect diffuser shows Y_n."""

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from xml.sax.saxutils import quoteattr
 
 from relgloss_view.base.version import __version__
+from relgloss_view.base.visible import visible
 from relgloss_view.base.writing import whole_file
 from relgloss_view.exchange.formats import Exported, ExportOptions
 from relgloss_view.exchange.openpbr import OpenPbr
@@ -49,7 +50,7 @@ def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported
     for name, material in named:
         parts.append(_Part(_identifier(name, taken), material, refit_openpbr(material)))
     with whole_file(path) as temporary:
-        temporary.write_text(_document(parts, options.bare), encoding="utf-8")
+        temporary.write_text(_document(parts, options.bare), encoding="utf-8", newline="\n")
     lines = [f"{part.name}: {line}" for part in parts for line in part.refit.lines]
     return Exported((*lines, *notes), {part.name: part.refit.loss for part in parts})
 
@@ -99,15 +100,7 @@ def _material(part: _Part, bare: bool) -> list[str]:
         f'    <input name="surfaceshader" type="surfaceshader" nodename="{shader}" />',
         "  </surfacematerial>",
     ]
-    return [_printable(line) for line in lines]
-
-
-def _printable(text: str) -> str:
-    """The text without the characters that XML 1.0 forbids."""
-    return "".join(
-        c if c >= " " and not "\ud800" <= c <= "\udfff" and c not in "\ufffe\uffff" else "\ufffd"
-        for c in text
-    )
+    return [visible(line) for line in lines]  # XML 1.0 forbids what nobody sees
 
 
 def _identifier(name: str, taken: set[str]) -> str:

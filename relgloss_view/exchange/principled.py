@@ -9,14 +9,13 @@ not drawn.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.exchange import ggx
 from relgloss_view.exchange.refit import Refit, body_colour, refit_with, roughness_of, spread_f0
-from relgloss_view.exchange.search import Family, Unknown
+from relgloss_view.exchange.ways import Family, Unknown
 from relgloss_view.gloss.meter.meter import main_lobe
 from relgloss_view.material import brdf
 from relgloss_view.material.material import Material
@@ -56,16 +55,6 @@ class Principled:
         diffuse = (1.0 - self.metallic) / np.pi * body[..., None] * colour
         above = t.above[..., None]
         return np.where(above, diffuse, 0.0), np.where(above, shape[..., None] * fresnel, 0.0)
-
-    def as_plugin(self) -> dict[str, Any]:
-        """The dictionary that Mitsuba loads."""
-        return {
-            "type": "principled",
-            "base_color": {"type": "rgb", "value": list(self.base_color)},
-            "roughness": self.roughness,
-            "metallic": self.metallic,
-            "eta": self.eta,
-        }
 
 
 def refit_principled(material: Material) -> Refit:

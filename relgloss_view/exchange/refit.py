@@ -1,7 +1,7 @@
 """Refit: the parameters of another program's model that show a material's picture.
 
 A renamed width shows another highlight: GGX has longer tails than a Gaussian, and Smith's shadowing
-takes more at grazing angles than V-grooves do. So the parameters are searched for (search.py), for
+takes more at grazing angles than V-grooves do. So the parameters are searched for (ways.py), for
 one lobe and for two, and the way that loses least is taken.
 """
 
@@ -17,7 +17,7 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.exchange import ggx, judge
 from relgloss_view.exchange.loss import LAMP, Loss, Surface
 from relgloss_view.exchange.openpbr import OpenPbr
-from relgloss_view.exchange.search import Family, Found, Unknown, nearest
+from relgloss_view.exchange.ways import Family, Unknown, Way, ways_to_show
 from relgloss_view.gloss.meter.meter import main_lobe
 from relgloss_view.material.material import Lobe, Material
 from relgloss_view.material.spectra import illuminant, xyz_weights
@@ -39,7 +39,7 @@ class Refit:
     surface: Surface
     way: str  #: for people, such as 'specular and coat'
     loss: Loss
-    others: tuple[Found, ...] = ()
+    others: tuple[Way, ...] = ()
     notes: tuple[str, ...] = ()  #: what the model cannot hold, one sentence each
 
     @property
@@ -47,9 +47,9 @@ class Refit:
         """What the loss means, its numbers, the ways that lose more, and notes; one line each."""
         taken = (self.loss.verdict, f"fitted with {self.way}: {self.loss.words}")
         passed = ", ".join(
-            f"{found.name} (dE2000 {found.loss.de2000_p95:.1f}, up to "
-            f"{found.loss.largest_gloss_units:.1f} gloss units)"
-            for found in self.others
+            f"{way.name} (dE2000 {way.loss.de2000_p95:.1f}, up to "
+            f"{way.loss.largest_gloss_units:.1f} gloss units)"
+            for way in self.others
         )
         return (*taken, *((f"tried, and loses more: {passed}",) if passed else ()), *self.notes)
 
@@ -95,7 +95,7 @@ def refit_openpbr(material: Material) -> Refit:
 
 def refit_with(material: Material, families: tuple[Family, ...]) -> Refit:
     """The best of several ways to show a material."""
-    best, *others = nearest(material, families)
+    best, *others = ways_to_show(material, families)
     notes = (*colour_notes(material), *_turned(material, best.surface))
     return Refit(best.surface, best.name, best.loss, tuple(others), notes)
 

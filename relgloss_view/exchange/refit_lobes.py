@@ -10,7 +10,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.exchange.loss import Surface
-from relgloss_view.exchange.search import Family, Found, Unknown, nearest
+from relgloss_view.exchange.ways import Family, Unknown, Way, ways_to_show
 from relgloss_view.material.described import DescribedRecord
 from relgloss_view.material.material import (
     S_DEG_DRAWN,
@@ -60,8 +60,8 @@ def refit_lobes(
     return _with_record(material, record)
 
 
-def _nearest(surface: Surface, families: tuple[Family, ...]) -> tuple[Found, Material]:
-    best, *_ = nearest(surface, families)
+def _nearest(surface: Surface, families: tuple[Family, ...]) -> tuple[Way, Material]:
+    best, *_ = ways_to_show(surface, families)
     assert isinstance(best.surface, Material)
     return best, best.surface
 

@@ -40,8 +40,9 @@ def with_metals(folds: Folds, candidates: list[Candidate], tried: str) -> list[C
 
     A rung is tried where its coloured rung predicts left-out samples better than the neutral one,
     or where the neutral one has a lobe that is brighter than a dielectric's: silver has no colour.
-    All others cost nothing. Two metals are tried for the second reason alone. Candidates come in
-    order of size: only two metals are larger than two coloured lobes.
+    All others cost nothing. Two metals are tried for the second reason, and where a metal below a
+    lobe predicts better than two coloured lobes: the foot of a foil's highlight is a metal's too.
+    Candidates come in order of size: only two metals are larger than two coloured lobes.
     """
     if tried == "none":
         return candidates
@@ -67,7 +68,8 @@ def _is_called_for(rung: Rung, plain: Candidate | None, coloured: Candidate) -> 
     """Whether a rung is worth its time; plain: its neutral rung, if that was tried."""
     if plain is None:
         return rung.metals == 1
-    if rung.metals == 1 and not enough(plain, coloured, RELEVANT_SHARE):
+    small, large = (plain, coloured) if rung.metals == 1 else (coloured, plain)
+    if not enough(small, large, RELEVANT_SHARE):
         return True
     dielectrics = brightness(plain.solution.state)[plain.rung.metals :]
     return bool(np.any(dielectrics > BRIGHTEST_DIELECTRIC))
@@ -106,10 +108,14 @@ def fitted(folds: Folds, rung: Rung, coloured: Candidate) -> Candidate:
 
 
 def largest_f0(state: State) -> float:
-    """The largest F0 of a state's metals; infinite where there is colour and nothing white."""
+    """The largest F0 of a state's brightest metal; infinite where there is nothing white.
+
+    Samples hardly show the white part of a weak foot; a material has it as white as it can be.
+    """
     white = state.ks[len(state.log_s) :, 0]
     colour = np.max(state.ks[: len(white)], axis=1)
-    return float(np.max(np.divide(colour, white, out=np.full_like(white, np.inf), where=white > 0)))
+    main = int(np.argmax(colour))
+    return float(colour[main] / white[main]) if white[main] > 0.0 else np.inf
 
 
 def metals_of(state: State) -> int:

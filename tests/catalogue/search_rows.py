@@ -1,30 +1,14 @@
-"""A catalogue in memory, of rows that are declared here."""
+"""A catalogue in memory, of rows that are declared in a test, and what a search has found there."""
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
-from relgloss_view.catalogue.columns import NAMES
-from relgloss_view.catalogue.recipe import Recipe
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
+from made_catalogue import MemoryCatalogue
 
-
-class MemoryCatalogue:
-    """What a search needs of a catalogue."""
-
-    def __init__(self, rows, materials=None, thumbnails=None, recipe=None):
-        whole = [{**dict.fromkeys(NAMES), "status": "done", "kind": "table", **row} for row in rows]
-        self.rows = sorted(whole, key=lambda row: row["path"])
-        for row in self.rows:
-            row.pop("thumbnail", None)
-        self.materials, self.pictures = materials or {}, thumbnails or {}
-        self.recipe = recipe or Recipe()
-        self.folder = Path("catalogue")
-
-    def thumbnails(self, paths):
-        return {path: self.pictures[path] for path in paths if path in self.pictures}
-
-    def material(self, path):
-        return self.materials[path]
+__all__ = ["MemoryCatalogue", "paths"]
 
 
 def paths(found):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import random
 import signal
@@ -74,9 +75,10 @@ def bound(monkeypatch):
     submitted: dict[str, list[list[str] | None]] = {}
     submit = distributed.Client.submit
 
-    def spy(client, function, task, *words, workers=None, **more):
-        submitted.setdefault(task.key, []).append(workers)
-        return submit(client, function, task, *words, workers=workers, **more)
+    def spy(client, function, tasks, *words, workers=None, **more):
+        for task in tasks:
+            submitted.setdefault(task.key, []).append(workers)
+        return submit(client, function, tasks, *words, workers=workers, **more)
 
     monkeypatch.setattr(distributed.Client, "submit", spy)
     return submitted
@@ -246,19 +248,20 @@ def test_linear_algebra_has_one_thread_in_every_engine():
 def test_another_program_is_refused():
     ours = this_program()
     task = Task("a", "a.csv", work.square, (2,))
-    assert perform(task, ours) == work.square(2)
-    for other, word in (
-        (Program("0.0.9", ours.digest, ours.python, ours.numpy), "relgloss"),
-        (Program(ours.version, "0" * 64, ours.python, ours.numpy), "assets"),
+    assert perform((task,), ours, 1.0).results == (work.square(2),)
+    for changed, word in (
+        ({"version": "0.0.9"}, "relgloss"),
+        ({"digest": "0" * 64}, "assets"),
+        ({"scipy": "1.0"}, "scipy"),
     ):
-        refused = perform(task, other)
+        (refused,) = perform((task,), dataclasses.replace(ours, **changed), 1.0).results
         assert isinstance(refused, Refused)
         assert refused.fault.startswith("worker ")
         assert word in refused.fault
 
 
 def test_another_program_ends_the_run(monkeypatch):
-    monkeypatch.setattr(cluster, "this_program", lambda: Program("0.0.9", "0", "3.11", "2"))
+    monkeypatch.setattr(cluster, "this_program", lambda: Program("0.0.9", "0", "3.11", "2", "1"))
     with pytest.raises(InputError, match=r"worker \d+ .*another program: relgloss .* in place of"):
         by_one(work.tasks_of(work.square, range(3)))
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import shutil
 import subprocess
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from relgloss_view.exchange import materialx
 from relgloss_view.exchange.formats import ExportOptions
 from relgloss_view.exchange.loss import MOST_DE2000
 from relgloss_view.exchange.openpbr import OpenPbr
+from relgloss_view.exchange.refit import Refit
 from relgloss_view.pack.built_in import load_finish
 
 pytest.importorskip("MaterialX")
@@ -85,6 +88,18 @@ def test_materialx_finds_nothing_wrong(exported):
     assert loss.words in text.replace("&gt;", ">")
     assert ("WARNING" in text) == (not loss.is_small)
     assert loss.de2000_p95 < 1.5 * MOST_DE2000
+
+
+def test_a_name_of_what_nobody_sees_leaves_a_document_that_is_read(exported):
+    """Controls are no characters of XML; marks of direction hide others."""
+    [loss] = exported[1].losses.values()
+    name = "art\x1b[31m\x00\ufffe\u202e & <b>"
+    material = dataclasses.replace(load_finish("art-coated"), name=name)
+    part = materialx._Part("m", material, Refit(OpenPbr(), "one", loss))
+    root = ElementTree.fromstring(materialx._document([part], bare=False).encode("utf-8"))
+    written = root.find("surfacematerial")
+    assert r"art\x1b[31m\x00\ufffe\u202e & <b>, by relgloss" in written.get("doc")
+    assert json.loads(written.get(materialx.OWN_MATERIAL))["name"] == name
 
 
 def test_its_shader_compiles(exported, tmp_path):

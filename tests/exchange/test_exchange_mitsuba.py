@@ -13,6 +13,8 @@ from relgloss_view.exchange.principled import Principled, refit_principled
 from relgloss_view.material.spectra import illuminant, xyz_weights
 from relgloss_view.measure.bands import RGB
 from relgloss_view.pack.built_in import FINISHES, PAPERS, load_finish
+from relgloss_view.picture.model import lights
+from relgloss_view.picture.model.sight import sight
 from relgloss_view.picture.model.view import view_of
 from relgloss_view.picture.scene.setup import Lamp, Setup
 
@@ -36,6 +38,17 @@ SLOW = tuple(name for name in (*PAPERS, *FINISHES) if name not in FAST)
 @pytest.fixture(scope="module", autouse=True)
 def variant():
     mi.set_variant("scalar_rgb")
+
+
+def plugin_of(surface):
+    """The dictionary that Mitsuba loads for a Principled."""
+    return {
+        "type": "principled",
+        "base_color": {"type": "rgb", "value": list(surface.base_color)},
+        "roughness": surface.roughness,
+        "metallic": surface.metallic,
+        "eta": surface.eta,
+    }
 
 
 def drawn(plugin):
@@ -109,7 +122,7 @@ def pictures(material, surface):
     own, pixels = covered(judge.seen(material, points), kept)
     theirs, _ = covered(judge.seen(surface, points), kept)
     picture = judge.picture_of(own)
-    rgb = drawn(surface.as_plugin())
+    rgb = drawn(plugin_of(surface))
     xyz = rgb @ xyz_weights(RGB, illuminant("D65"))
     at = (pixels // 1000 - ROWS.start, pixels % 1000)
     mitsuba = judge.Seen(np.zeros_like(own.diffuse), xyz[at])
@@ -119,7 +132,9 @@ def pictures(material, surface):
 def points_and_pixels(columns, rows, pixel):
     """The lit points, and the pixel of each."""
     points = judge.points_at(judge.AZIMUTH_DEG, columns, rows)
-    lit = judge.lit_at(judge.AZIMUTH_DEG, columns, rows)
+    setup = Setup(lamp=Lamp(azimuth_deg=judge.AZIMUTH_DEG))
+    hit, _, _ = sight(setup.shape, view_of(setup.shape, setup.eye, judge.SIZE), columns, rows)
+    lit = hit.found & (lights.white_seen(setup, hit.point_m, hit.normal) > 0.0)
     return points, pixel[lit]
 
 

@@ -121,7 +121,7 @@ def test_a_refit_passes_where_a_renamed_width_fails():
 
 def test_a_lobe_that_ggx_is_comes_back():
     """A surface of OpenPBR itself loses nothing: the search finds its parameters again."""
-    from relgloss_view.exchange.search import Family, Unknown, nearest
+    from relgloss_view.exchange.ways import Family, Unknown, ways_to_show
 
     truth = OpenPbr(base_color=(0.4, 0.5, 0.2), specular_roughness=0.45, specular_weight=0.7)
 
@@ -133,9 +133,9 @@ def test_a_lobe_that_ggx_is_comes_back():
         )
 
     unknowns = (*[Unknown(0.3, 0.0, 1.0)] * 3, Unknown(0.3, 0.05, 1.0), Unknown(1.0, 0.0, 1.0))
-    [found] = nearest(truth, (Family("itself", unknowns, make),))
-    assert found.surface.specular_roughness == pytest.approx(0.45, abs=2e-3)
-    assert found.loss.de2000_p95 < 0.1
+    [way] = ways_to_show(truth, (Family("itself", unknowns, make),))
+    assert way.surface.specular_roughness == pytest.approx(0.45, abs=2e-3)
+    assert way.loss.de2000_p95 < 0.1
 
 
 @pytest.mark.slow

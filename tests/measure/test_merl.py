@@ -19,6 +19,11 @@ def bin_centres():
     return np.ogrid[0.5:90, 0.5:90, 0.5:180]
 
 
+def gaussian(h):
+    """Of theta_h = 90 (h / 90)^2 degrees, a standard deviation of 6 degrees."""
+    return 1000.0 * np.exp(-0.5 * (90.0 * (h / 90.0) ** 2 / 6.0) ** 2)
+
+
 def rusinkiewicz(i, o):
     """Angles theta_h, theta_d, phi_d by rotations."""
     h = (i + o) / np.linalg.norm(i + o, axis=1)[:, None]
@@ -38,9 +43,9 @@ def directions():
 
 @pytest.fixture(scope="module")
 def linear(tmp_path_factory):
-    """A file whose channels are linear in the bin coordinates, and its BRDF."""
+    """A Gaussian in theta_h, and channels that are linear in the other bin coordinates."""
     h, d, p = bin_centres()
-    bins = np.stack([1.0 + h + 0 * d + 0 * p, 2.0 + d + 0 * h + 0 * p, 3.0 + p + 0 * h + 0 * d])
+    bins = np.stack([gaussian(h) + 0 * d + 0 * p, 2.0 + d + 0 * h + 0 * p, 3.0 + p + 0 * h + 0 * d])
     return merl_file(tmp_path_factory.mktemp("merl") / "linear.binary", bins)
 
 
@@ -49,9 +54,9 @@ def test_indexing_and_scale(linear, directions):
     theta_h, theta_d, phi_d = rusinkiewicz(i, o)
     right = np.pi / 2
     h, d, p = 90 * np.sqrt(theta_h / right), 90 * theta_d / right, 180 * phi_d / np.pi
-    expected = np.stack([1 + h, 2 + d, 3 + p], axis=1) * SCALE
-    # Linear functions are reproduced between centres; outside the first and last centre they are
-    # held, and phi_d wraps.
+    expected = np.stack([gaussian(h), 2 + d, 3 + p], axis=1) * SCALE
+    # A Gaussian and linear functions are reproduced between centres; outside the first and last
+    # centre they are held, and phi_d wraps.
     middle = (h > 0.5) & (h < 89.5) & (d > 0.5) & (d < 89.5) & (p > 0.5) & (p < 179.5)
     assert middle.sum() > 3500
     found = merl.load(linear).evaluate(i, o)
@@ -83,7 +88,7 @@ def test_measurement_on_the_grid(linear):
     mirror = np.hypot(h[:, 0], h[:, 1]) < 1e-12
     at_40 = mirror & (np.abs(m.to_lamp[:, 2] - np.cos(np.radians(40))) < 1e-12)
     assert at_40.sum() == 1
-    expected = np.pi * np.array([1.5, 42.0]) * SCALE[:2]
+    expected = np.pi * np.array([gaussian(0.5), 42.0]) * SCALE[:2]
     np.testing.assert_allclose(m.radiance_factor[at_40][0, :2], expected, rtol=1e-9)
 
 

@@ -10,11 +10,15 @@ import pytest
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.xml import read_xml
+from relgloss_view.exchange.formats import ExportOptions, format_of
 from relgloss_view.fitting.fit import fit_material
+from relgloss_view.gloss.meter.meter import specular_gloss
 from relgloss_view.measure.gonio import spherical
 from relgloss_view.measure.readers import read_measurement, tensor_tree
+from relgloss_view.measure.readers.cell_middles import middles_of
 from relgloss_view.measure.readers.shirley_chiu import coordinates, directions, to_disk, to_square
 from relgloss_view.measure.readers.tensor_tree import Tree, read_tree, uv_of, xyz_of
+from relgloss_view.pack.built_in import load_finish
 
 #: A lobe of facet slope 0.1 over a Lambertian of albedo 0.1 pi, in Radiance's expression language.
 SLOPE2 = 0.02
@@ -97,6 +101,43 @@ class TestOfRadiance:
             np.degrees(np.sqrt(SLOPE2 / 2.0)), rel=0.15
         )
         assert material.diffuse.albedo[0] == pytest.approx(0.1 * np.pi, rel=0.1)
+
+
+class TestMiddles:
+    def test_a_gaussian_flank(self):
+        """Means of an even tree of a Gaussian, by its integral, against its values."""
+        from scipy.special import erf
+
+        level, s = 5, 0.06
+        edge = np.linspace(0.0, 1.0, 2**level + 1)
+        mean = np.diff(erf((edge - 0.5) / (np.sqrt(2.0) * s))) * np.sqrt(np.pi / 2.0) * s * 2**level
+        # Along the second dimension alone, in the Morton order of a tree.
+        leaves = np.arange(8**level)
+        tree = Tree(3, np.full(8**level, level), np.ones(8**level))
+        middle = tree.middles(leaves)
+        place = np.round(middle[:, 1] * 2**level - 0.5).astype(int)
+        tree = Tree(3, tree.levels, mean[place])
+        some = leaves[(np.abs(middle[:, 1] - 0.5) < 2.5 * s) & (middle[:, 0] < 0.5)]
+        true = np.exp(-0.5 * ((tree.middles(some)[:, 1] - 0.5) / s) ** 2)
+        found = middles_of(tree, some)
+        # Cells of half a standard deviation: the mean of cells is off by 4 % at the peak's side and
+        # more on the flanks, the middle by the fourth order, (w / s)^4 / 1152 and a few of them.
+        assert np.max(np.abs(tree.values[some] / true - 1.0)) > 0.03
+        np.testing.assert_allclose(found.values, true, rtol=5e-3)
+        assert np.all(found.uncertainty >= 0.0)
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("name", ["cold-foil-silver", "cold-foil-gold", "cast-coated"])
+    def test_gloss_of_a_narrow_highlight(self, name, tmp_path):
+        """Out and read again: within 2 units, or within 1 % where a foil has hundreds."""
+        material, path = load_finish(name), tmp_path / "tree.xml"
+        format_of(path).write(material, path, ExportOptions())
+        back = fit_material(read_measurement(path))
+        assert back.fit.quality == "good"
+        for angle in (20.0, 60.0, 75.0, 85.0):
+            expected = specular_gloss(material, angle)
+            allowed = max(2.0, 0.01 * expected)
+            assert specular_gloss(back, angle) == pytest.approx(expected, abs=allowed)
 
 
 class TestSquare:

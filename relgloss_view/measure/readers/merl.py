@@ -89,8 +89,10 @@ class MerlBrdf:
     def evaluate(self, i: ArrayLike, o: ArrayLike) -> Array:
         """BRDF in 1/sr, shape (..., 3); NaN where unmeasured, zero below the horizon.
 
-        i (to the lamp) and o (to the eye) are unit vectors, (..., 3). Interpolates linearly
-        between the centres of measured bins; a direction in an unmeasured bin has no value.
+        i (to the lamp) and o (to the eye) are unit vectors, (..., 3). Interpolates between the
+        centres of measured bins: linearly in theta_d and phi_d, and the logarithm in the square of
+        theta_h, which is exact for the Gaussians that narrow highlights look like and keeps what a
+        straight line adds on their flanks. A direction in an unmeasured bin has no value.
         """
         return evaluate_above(i, o, lambda i, o: self._interpolate(_bin_coordinates(i, o)))
 
@@ -101,23 +103,45 @@ class MerlBrdf:
         centred = coordinates - 0.5
         low = np.floor(centred).astype(np.int64)
         fraction = centred - low
-        total = np.zeros((len(own), 3))
-        weight = np.zeros((len(own), 3))
-        for corner in product((0, 1), repeat=3):
-            index = low + corner
-            share = np.prod(np.where(corner, fraction, 1.0 - fraction), axis=1)[:, None]
-            index[:, :2] = np.clip(index[:, :2], 0, counts[:2] - 1)
-            index[:, 2] %= counts[2]  # phi_d has the period pi (reciprocity)
+        inner, outer = (self._beside(low, fraction, k) for k in (0, 1))
+        # Beyond the first and the last centre one bin counts for both.
+        ends = np.clip(low[:, :1] + np.arange(2), 0, counts[0] - 1) + 0.5
+        square = np.stack([centred[:, 0] + 0.5, *ends.T]) ** 4  # theta_h goes as the square
+        share = (square[0] - square[1]) / np.maximum(square[2] - square[1], 1e-30)
+        share = np.clip(share, 0.0, 1.0)[:, None]
+        value = _joined(inner, outer, share)
+        missing = (self._at(own) < 0.0) | np.isnan(value)
+        return np.asarray(np.where(missing, np.nan, value * SCALE))
+
+    def _beside(self, low: Ints, fraction: Array, k: int) -> Array:
+        """(M, 3), means of the measured bins of theta_h low + k; NaN where none is measured."""
+        total, weight = np.zeros((len(low), 3)), np.zeros((len(low), 3))
+        for corner in product((0, 1), repeat=2):
+            index = low + np.array([k, *corner])
+            near = np.where(corner, fraction[:, 1:], 1.0 - fraction[:, 1:])
+            share = np.prod(near, axis=1)[:, None]
+            index[:, :2] = np.clip(index[:, :2], 0, np.array(SHAPE[:2]) - 1)
+            index[:, 2] %= SHAPE[2]  # phi_d has the period pi (reciprocity)
             values = self._at(index)
             measured = np.where(values >= 0.0, share, 0.0)
             total += measured * values
             weight += measured
-        missing = (self._at(own) < 0.0) | (weight <= 0.0)
-        value = total / np.where(weight > 0.0, weight, 1.0)
-        return np.asarray(np.where(missing, np.nan, value * SCALE))
+        return np.where(weight > 0.0, total / np.where(weight > 0.0, weight, 1.0), np.nan)
 
     def _at(self, index: Ints) -> Array:
         return np.asarray(self.bins[:, index[:, 0], index[:, 1], index[:, 2]]).T
+
+
+def _joined(inner: Array, outer: Array, share: Array) -> Array:
+    """Values between two bins of theta_h; where one is not measured, the other's."""
+    inner, outer = (
+        np.where(np.isnan(one), other, one) for one, other in ((inner, outer), (outer, inner))
+    )
+    straight = (1.0 - share) * inner + share * outer
+    positive = (inner > 0.0) & (outer > 0.0)
+    logs = (np.log(np.where(positive, part, 1.0)) for part in (inner, outer))
+    first, second = logs
+    return np.where(positive, np.exp((1.0 - share) * first + share * second), straight)
 
 
 def _bin_coordinates(i: Array, o: Array) -> Array:

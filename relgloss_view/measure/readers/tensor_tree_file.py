@@ -1,8 +1,9 @@
 """BSDF XML with tensor trees, as Radiance's genBSDF, bsdf2ttree and relgloss write it.
 
 A tree holds mean values of cells of directions, and a fit wants values of directions. So the cells
-that hold the directions of gonio.tabulated_grid(), and more beside the mirror direction, are read
-at their middles.
+that hold the directions of gonio.tabulated_grid(), and more beside the mirror direction and towards
+grazing incidence, are read at their middles, with what their means are above their middles taken
+off (cell_middles). A tree too coarse for that has its means read, with the cells as an aperture.
 """
 
 from __future__ import annotations
@@ -12,13 +13,14 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from relgloss_view.base.arrays import Array, Ints
+from relgloss_view.base.arrays import Array, Ints, Mask
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.xml import line_of
 from relgloss_view.measure.bands import Bands
 from relgloss_view.measure.gonio import spherical, tabulated_grid
 from relgloss_view.measure.readers.assemble import one_channel
+from relgloss_view.measure.readers.cell_middles import middles_of
 from relgloss_view.measure.readers.shirley_chiu import coordinates, directions
 from relgloss_view.measure.readers.tensor_tree import (
     RADIANCE_WHITE,
@@ -35,6 +37,19 @@ VISIBLE, CIE_U, CIE_V = "visible", "cie-u", "cie-v"
 RANKS = {"tensortree3": 3, "tensortree4": 4}
 #: Beside the mirror direction, degrees: a lobe may be narrower than the grid's scan of a degree.
 BESIDE_DEG = (0.25, 0.5, 0.75, 1.5)
+#: Incidence beyond that of the grid, degrees, where the gloss of papers and films is read, and the
+#: receiver's angles beside the mirror direction there. Programs that make trees know no arms that
+#: shadow each other.
+GRAZING_DEG = (75.0,)
+BESIDE_GRAZING_DEG = (*BESIDE_DEG, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0)
+STEEPEST_DEG = 89.0
+#: A middle that is less certain than this, as a share, is left out.
+LARGEST_UNCERTAINTY = 0.05
+#: Share of planes whose highest middle must be certain, or the means are read as they are.
+MOST_PLANES = 0.5
+#: A grazing plane with fewer readings is left out: a fit judges models by whole planes, and a
+#: coarse tree has a cell or two there.
+FEWEST_IN_PLANE = 5
 #: Azimuths of the lamp at which a tree of four dimensions is read; those of three depend on none.
 AZIMUTHS = {3: (180.0,), 4: (180.0, 225.0, 270.0, 315.0, 0.0, 45.0, 90.0, 135.0)}
 NEAR_MIRROR_DEG = 3.0
@@ -71,8 +86,9 @@ def tree_readings(structure: str, blocks: dict[str, Element], place: str) -> Rea
         )
     luminance = _tree(blocks[VISIBLE], rank, place)
     to_lamp, to_receiver, group = _directions(luminance)
+    taken, values, sd = _values(luminance, to_lamp, to_receiver, group)
+    to_lamp, to_receiver, group = to_lamp[taken], to_receiver[taken], group[taken]
     places = coordinates(to_lamp, to_receiver, rank)
-    values = luminance.at(places)
     notes = []
     if CIE_U in blocks and CIE_V in blocks:
         u, v = (_tree(blocks[key], rank, place).at(places) for key in (CIE_U, CIE_V))
@@ -88,14 +104,43 @@ def tree_readings(structure: str, blocks: dict[str, Element], place: str) -> Rea
             f"the tensor tree depends on the azimuth; {len(AZIMUTHS[4])} azimuths of incidence are "
             "read, and a material here is the same in all"
         )
-    sd = _cell_sd_deg(luminance, to_lamp, to_receiver)
-    finest, resolved = 2.0 * luminance.smallest, 0.5 * float(np.hypot(sd, sd))
-    notes.append(
-        f"each value is an average over a cell of a tensor tree (down to {finest:.2g} in the sine "
-        f"of the angle): a highlight narrower than {resolved:.2g} deg of the half-vector is not "
-        "resolved"
-    )
+    notes.append(_words(luminance, len(taken) - int(np.sum(taken)), sd))
     return Readings(to_lamp, to_receiver, group, bands, channels, sd, tuple(notes))
+
+
+def _values(
+    tree: Tree, to_lamp: Array, to_receiver: Array, group: Array
+) -> tuple[Mask, Array, float]:
+    """Which directions are read, their values, and the cells' aperture, which is 0 at middles."""
+    leaves = tree.leaf_at(coordinates(to_lamp, to_receiver, tree.rank))
+    means, middles = tree.values[leaves], middles_of(tree, leaves)
+    certain = middles.uncertainty <= LARGEST_UNCERTAINTY
+    planes = np.unique(group)
+    highest = [int(np.argmax(np.where(group == plane, means, -1.0))) for plane in planes]
+    if np.mean(certain[highest]) < MOST_PLANES:
+        return np.full(len(means), True), means, _cell_sd_deg(tree, to_lamp, to_receiver)
+    # A plane without its peak would show the foot of a highlight as if it were all of it.
+    readings = np.array([np.sum(certain[group == plane]) for plane in planes])
+    many = (readings >= FEWEST_IN_PLANE) | ~np.isin(planes, GRAZING_DEG)
+    taken = certain & np.isin(group, planes[certain[highest] & many])
+    return taken, middles.values[taken], 0.0
+
+
+def _words(tree: Tree, left_out: int, sd: float) -> str:
+    finest, resolved = 2.0 * tree.smallest, 0.5 * float(np.hypot(sd, sd))
+    text = (
+        f"each value is an average over a cell of a tensor tree (down to {finest:.2g} in the sine "
+        "of the angle)"
+    )
+    if sd > 0.0:
+        return (
+            f"{text}: a highlight narrower than {resolved:.2g} deg of the half-vector is not "
+            "resolved"
+        )
+    text += ", from which the value at its middle is derived by the cells beside it"
+    if left_out:
+        text += f"; {left_out} cells on steep flanks of the highlight are left out"
+    return text
 
 
 def _tree(block: Element, rank: int, place: str) -> Tree:
@@ -141,7 +186,14 @@ def _wanted() -> Array:
         for beside in BESIDE_DEG
         for side in (-1.0, 1.0)
     ]
-    return np.concatenate([grid, np.array(near)])
+    grazing = [
+        (theta, theta + side * beside, 180.0)
+        for theta in GRAZING_DEG
+        for beside in BESIDE_GRAZING_DEG
+        for side in (-1.0, 1.0)
+        if theta + side * beside <= STEEPEST_DEG
+    ]
+    return np.concatenate([grid, np.array(near), np.array(grazing)])
 
 
 def _cell_sd_deg(tree: Tree, to_lamp: Array, to_receiver: Array) -> float:

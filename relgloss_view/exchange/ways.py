@@ -59,8 +59,8 @@ class Family:
 
 
 @dataclass(frozen=True)
-class Found:
-    """The nearest surface of a family."""
+class Way:
+    """A way to show a target that was tried: the nearest surface of a family, and its loss."""
 
     name: str
     surface: Surface
@@ -81,18 +81,18 @@ def cost_of(loss: Loss) -> float:
     return max(loss.de2000_p95 / MOST_DE2000, units)
 
 
-def nearest(target: Surface, families: tuple[Family, ...]) -> tuple[Found, ...]:
-    """The nearest surface of each family that was tried, the one that loses least first.
+def ways_to_show(target: Surface, families: tuple[Family, ...]) -> tuple[Way, ...]:
+    """The nearest surface of each family that is tried, the one that loses least first.
 
     target: a Material or another surface. Families after one that loses next to nothing (ENOUGH)
     are left out.
     """
-    aim, found = _Aim(target), []
+    aim, ways = _Aim(target), list[Way]()
     for family in families:
-        found.append(_nearest(aim, family))
-        if found[-1].cost <= ENOUGH:
+        ways.append(_tried(aim, family))
+        if ways[-1].cost <= ENOUGH:
             break
-    return tuple(sorted(found, key=lambda one: one.cost))
+    return tuple(sorted(ways, key=lambda way: way.cost))
 
 
 class _View:
@@ -200,8 +200,8 @@ def _asked_points() -> _Asked:
     )
 
 
-def _nearest(aim: _Aim, family: Family) -> Found:
+def _tried(aim: _Aim, family: Family) -> Way:
     start, low, high = np.array(family.unknowns).T
     x = least_squares(lambda x: aim.residuals(family.make(x)), start, low, high)
     surface = family.make(x)
-    return Found(family.name, surface, judge.compare(aim.target, surface))
+    return Way(family.name, surface, judge.compare(aim.target, surface))
