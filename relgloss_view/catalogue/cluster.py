@@ -22,7 +22,12 @@ from relgloss_view.base.interruptions import STEP_S, checkpoint
 from relgloss_view.catalogue.cluster_batches import LONGEST_S, Batches
 from relgloss_view.catalogue.cluster_check import Inspection, check_scheduler
 from relgloss_view.catalogue.cluster_evidence import Evidence
-from relgloss_view.catalogue.cluster_processes import Processes, dashboard_link, local_cluster, silent
+from relgloss_view.catalogue.cluster_processes import (
+    Processes,
+    dashboard_link,
+    local_cluster,
+    silent,
+)
 from relgloss_view.catalogue.cluster_worker import Program, Refused, perform, this_program
 from relgloss_view.catalogue.engine import MOST_WORKERS, Done, EngineOptions, Lost, Task
 

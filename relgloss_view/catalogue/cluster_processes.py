@@ -24,6 +24,7 @@ from typing import Any, BinaryIO
 from relgloss_view.base import followed
 from relgloss_view.base.child import PACKAGE_FOLDER, Child
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.shell import command_line
 from relgloss_view.base.temporaries import no_temporary_folder, scratch_folder
 from relgloss_view.catalogue import cluster_worker
 from relgloss_view.catalogue.cluster_evidence import Evidence
@@ -34,7 +35,7 @@ MOST_STILLBORN = 12
 MEMORY_SHARE = 0.85  #: of the machine's memory, all workers together
 LOOKED_S = 0.2  #: between two looks at the workers
 CLOSED_S = 2.0
-INSTALL_BOKEH = "python -m pip install 'relgloss-view[dashboard]'"
+EXTRA = "relgloss-view[dashboard]"  #: what brings bokeh
 SYNCED_S = 3600.0  #: between two answers to a question that nobody asks here
 LOGGERS = ("distributed", "tornado", "asyncio", "bokeh")
 
@@ -113,7 +114,8 @@ def local_cluster(
 ) -> Iterator[tuple[Any, Processes]]:
     """A scheduler in this process and workers beside it. Yields (Dask's cluster, Processes)."""
     if dashboard and importlib.util.find_spec("bokeh") is None:
-        raise InputError(f"--dashboard: Dask's page needs bokeh; install it with: {INSTALL_BOKEH}")
+        install = command_line([sys.executable, "-m", "pip", "install", EXTRA])
+        raise InputError(f"--dashboard: Dask's page needs bokeh; install it with: {install}")
     import dask
     import distributed
     from distributed.system import MEMORY_LIMIT

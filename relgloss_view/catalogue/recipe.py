@@ -13,7 +13,7 @@ from relgloss_view.gloss.samples import DEFAULT_GLOSS
 
 THUMBNAIL_PX, MOST_THUMBNAIL_PX = 128, 4096  #: of a thumbnail's side: the usual, the most
 #: Raised whenever the same file would give another row or another material.
-REVISION = 2
+REVISION = 3
 #: The program whose results a record holds: another version's are made again, as nobody knows
 #: whether its fits, meters and pictures are the same.
 MADE_BY = f"{__version__}, {REVISION}"

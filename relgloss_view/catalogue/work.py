@@ -36,7 +36,7 @@ from relgloss_view.catalogue.columns import (
 from relgloss_view.catalogue.item import OF_FILE, OF_LOOK, OF_MACHINE, Fitted, Item
 from relgloss_view.catalogue.recipe import Recipe
 from relgloss_view.material.files import load_material, material_from_dict, material_to_dict
-from relgloss_view.material.material import Material
+from relgloss_view.material.material import Lobe, Material
 from relgloss_view.quality.backends import FrameRenderer, open_renderer
 
 EXPECTED = "a table, a material or a proof"
@@ -70,6 +70,9 @@ def make_item(
     except GLUnavailableError:
         raise
     except Exception as error:
+        if not isinstance(error, InputError):
+            with contextlib.suppress(Exception):  # a driver that has failed may fail at this too
+                close_renderer()  # or its context would fail for each further item
         failed = _failed(row, *_fault_of(error, file, OF_LOOK))
         return dataclasses.replace(failed, fitted=fitted)
     row = plain_row({**row, **seen, "status": DONE})
@@ -159,7 +162,7 @@ _MAKERS: dict[str, Callable[[Path, Recipe], Fitted]] = {
 
 def facts_of(material: Material, fitted: Fitted) -> dict[str, Any]:
     """What a row holds of a material before it is metered, by column."""
-    lobes = sorted(material.visible_lobes(), key=lambda lobe: -max(lobe.height))
+    lobes = _brightest_first(material)
     widths = [lobe.s_deg for lobe in lobes]
     marks = [material.marks] if material.marks else []
     marks += ["hypothetical"] if material.hypothetical else []
@@ -178,6 +181,16 @@ def facts_of(material: Material, fitted: Fitted) -> dict[str, Any]:
         "s_deg_2": widths[1] if len(widths) > 1 else None,
         "warnings": "\n".join(printable(text, 1000) for text in material.warnings),
     }
+
+
+def _brightest_first(material: Material) -> list[Lobe]:
+    """The lobes that reflect, that one first of which the row's distinctness is."""
+    from relgloss_view.gloss.meter.meter import main_lobe
+
+    main = main_lobe(material)
+    first = None if main is None else material.specular[main]
+    lobes = material.visible_lobes()
+    return sorted(lobes, key=lambda one: (one is not first, -max(one.height) / one.s**2))
 
 
 def look_of(material: Material, fitted: Fitted, recipe: Recipe) -> tuple[dict[str, Any], str]:
@@ -246,7 +259,9 @@ def _fault_of(error: Exception, file: str, failed_in: str) -> tuple[str, str]:
     if not isinstance(error, RelglossError):
         if os.environ.get(VARIABLE) == RAISE:
             raise error
-        return printable(f"{type(error).__name__}: {error}; {OWN_FAULT}", LONGEST_FAULT), failed_in
+        fault = printable(f"{type(error).__name__}: {error}; {OWN_FAULT}", LONGEST_FAULT)
+        # What draws fails with the machine, whose next build may do better; readers fail alike.
+        return fault, OF_MACHINE if failed_in == OF_LOOK else failed_in
     text = str(error)
     for name in (file, named(file)):
         for spelt in {name, visible(" ".join(name.split()))}:

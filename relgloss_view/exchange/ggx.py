@@ -16,6 +16,9 @@ from relgloss_view.base.arrays import Array, Mask
 #: Below it a cosine is grazing, and what it divides is nothing in a picture.
 LEAST_COSINE = 1e-8
 LEAST_ALPHA = 1e-4  #: of a lobe that a float32 shader can draw
+#: Of facets that look about as wide as a Gaussian of s: a little below sqrt(2), which the width of
+#: the Gaussian itself would give, because GGX has longer tails.
+ALPHA_PER_S = 1.2
 
 
 class Turn(NamedTuple):

@@ -8,14 +8,19 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.exchange.gltf_brdf import WHITE, Colour, GltfSurface
-from relgloss_view.exchange.refit import NARROWEST, Refit, colour_notes, linear_rgb
+from relgloss_view.exchange.refit import (
+    LEAST_ROUGHNESS,
+    NARROWEST,
+    Refit,
+    as_colour,
+    colour_notes,
+    linear_rgb,
+    roughness_of,
+)
 from relgloss_view.exchange.ways import Family, Unknown, ways_to_show
 from relgloss_view.gloss.meter.meter import main_lobe
 from relgloss_view.material.material import Lobe, Material
 
-#: GGX facets about as wide as a Gaussian of s: alpha a little below sqrt(2) s.
-ALPHA_PER_S2 = 1.2
-LEAST_ROUGHNESS = 0.01
 #: What F0 may be, in multiples of 0.04.
 MOST_SPECULAR = 10.0
 #: Roughness of the body that a Lambertian one stands for without a note, degrees.
@@ -72,14 +77,14 @@ def families(material: Material, keeps_body: bool) -> tuple[Family, ...]:
     """Ways of glTF to show a material: one lobe, or one below a clear coat."""
     main = main_lobe(material)
     body = _rgb(material.diffuse.albedo, material)
-    fixed: Colour = _colour(body)
+    fixed: Colour = as_colour(body)
     open_body = (
         () if keeps_body else tuple(Unknown(min(float(v) / 0.95, 0.99), 0.0, 1.0) for v in body)
     )
     first = len(open_body)
 
     def base(x: Array) -> Colour:
-        return fixed if keeps_body else _colour(x[:3])
+        return fixed if keeps_body else as_colour(x[:3])
 
     if main is None:
         unknowns = open_body or (Unknown(0.001, 0.0, 1.0),)
@@ -91,20 +96,20 @@ def families(material: Material, keeps_body: bool) -> tuple[Family, ...]:
             ),
         )
     lobe = material.specular[main]
-    rough = _roughness(lobe)
+    rough = roughness_of(lobe)
     if lobe.is_metal:
         return _metals(material, lobe, rough)
     hue = _hue(lobe, material)
-    wide = max((_roughness(one) for one in material.visible_lobes()), default=rough)
+    wide = max((roughness_of(one) for one in material.visible_lobes()), default=rough)
 
     def one(x: Array) -> GltfSurface:
         weight, roughness, f0 = (float(v) for v in x[first : first + 3])
-        colour = _colour(np.asarray(hue) * f0)
+        colour = as_colour(np.asarray(hue) * f0)
         return GltfSurface(base(x), 0.0, roughness, 1.5, weight, colour)
 
     def two(x: Array) -> GltfSurface:
         weight, roughness, coat, coat_roughness, f0 = (float(v) for v in x[first : first + 5])
-        colour = _colour(np.asarray(hue) * f0)
+        colour = as_colour(np.asarray(hue) * f0)
         return GltfSurface(base(x), 0.0, roughness, 1.5, weight, colour, coat, coat_roughness)
 
     strength = max(lobe.strength)
@@ -147,11 +152,11 @@ def _metals(material: Material, lobe: Lobe, rough: float) -> tuple[Family, ...]:
     coat = (Unknown(0.2, 0.0, 1.0), Unknown(max(0.9 * rough, least), least, 1.0))
 
     def one(x: Array) -> GltfSurface:
-        return GltfSurface(_colour(x[:3]), float(x[3]), float(x[4]))
+        return GltfSurface(as_colour(x[:3]), float(x[3]), float(x[4]))
 
     def two(x: Array) -> GltfSurface:
         return GltfSurface(
-            _colour(x[:3]),
+            as_colour(x[:3]),
             float(x[3]),
             float(x[4]),
             clearcoat=float(x[5]),
@@ -174,13 +179,4 @@ def _hue(lobe: Lobe, material: Material) -> Colour:
     if len(set(lobe.strength)) == 1:
         return WHITE
     rgb = _rgb(tuple(np.asarray(lobe.strength) / max(lobe.strength)), material)
-    return _colour(rgb / max(float(np.max(rgb)), 1e-6))
-
-
-def _roughness(lobe: Lobe) -> float:
-    return float(min(max(np.sqrt(ALPHA_PER_S2 * lobe.s), LEAST_ROUGHNESS), 1.0))
-
-
-def _colour(values: Array) -> Colour:
-    red, green, blue = (float(v) for v in values[:3])
-    return red, green, blue
+    return as_colour(rgb / max(float(np.max(rgb)), 1e-6))

@@ -14,7 +14,14 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array
 from relgloss_view.exchange import ggx
-from relgloss_view.exchange.refit import Refit, body_colour, refit_with, roughness_of, spread_f0
+from relgloss_view.exchange.refit import (
+    Refit,
+    as_colour,
+    body_colour,
+    refit_with,
+    roughness_of,
+    spread_f0,
+)
 from relgloss_view.exchange.ways import Family, Unknown
 from relgloss_view.gloss.meter.meter import main_lobe
 from relgloss_view.material import brdf
@@ -80,16 +87,15 @@ def families(material: Material) -> tuple[Family, ...]:
             Unknown(0.95, 0.0, 1.0),
         )
         return (
-            Family("one metal lobe", unknowns, lambda x: Principled(_rgb(x), x[3], metallic=x[4])),
+            Family(
+                "one metal lobe", unknowns, lambda x: Principled(as_colour(x), x[3], metallic=x[4])
+            ),
         )
     unknowns = (
         *body_colour(material),
         Unknown(rough, 0.03, 1.0),
         Unknown(1.5, 1.01, 3.0),
     )
-    return (Family("one lobe", unknowns, lambda x: Principled(_rgb(x), float(x[3]), float(x[4]))),)
-
-
-def _rgb(x: Array) -> tuple[float, float, float]:
-    red, green, blue = (float(v) for v in x[:3])
-    return red, green, blue
+    return (
+        Family("one lobe", unknowns, lambda x: Principled(as_colour(x), float(x[3]), float(x[4]))),
+    )

@@ -16,7 +16,7 @@ import numpy as np
 from relgloss_view.base.arrays import Array
 from relgloss_view.exchange import ggx, judge
 from relgloss_view.exchange.loss import LAMP, Loss, Surface
-from relgloss_view.exchange.openpbr import OpenPbr
+from relgloss_view.exchange.openpbr import Colour, OpenPbr
 from relgloss_view.exchange.ways import Family, Unknown, Way, ways_to_show
 from relgloss_view.gloss.meter.meter import main_lobe
 from relgloss_view.material.material import Lobe, Material
@@ -30,6 +30,7 @@ BELOW_INDEX = COAT_INDEX * 1.5
 #: A second lobe is at least this share of the main one's roughness: a narrower one would gain gloss
 #: units by a mirror image of the lamp that no sample shows.
 NARROWEST = 0.6
+LEAST_ROUGHNESS = math.sqrt(ggx.LEAST_ALPHA)
 
 
 @dataclass(frozen=True)
@@ -169,7 +170,7 @@ def _metals(material: Material, lobe: Lobe, rough: float) -> tuple[Family, ...]:
 
     def one(x: Array) -> OpenPbr:
         return OpenPbr(
-            base_color=_colour(x),
+            base_color=as_colour(x),
             base_metalness=float(x[3]),
             specular_weight=float(x[4]),
             specular_roughness=float(x[5]),
@@ -177,7 +178,7 @@ def _metals(material: Material, lobe: Lobe, rough: float) -> tuple[Family, ...]:
 
     def two(x: Array) -> OpenPbr:
         return OpenPbr(
-            base_color=_colour(x),
+            base_color=as_colour(x),
             base_metalness=float(x[3]),
             specular_weight=float(x[4]),
             specular_roughness=float(x[5]),
@@ -221,17 +222,18 @@ def body_colour(material: Material) -> tuple[Unknown, ...]:
 
 
 def _base(x: Array) -> dict[str, Any]:
-    return {"base_color": _colour(x), "base_diffuse_roughness": float(x[3])}
+    return {"base_color": as_colour(x), "base_diffuse_roughness": float(x[3])}
 
 
-def _colour(x: Array) -> tuple[float, float, float]:
+def as_colour(x: Array) -> Colour:
+    """The first three of some numbers as a colour."""
     red, green, blue = (float(v) for v in x[:3])
     return red, green, blue
 
 
 def roughness_of(lobe: Lobe) -> float:
-    """Roughness, the root of alpha, of GGX facets about as wide: alpha is below sqrt(2) s."""
-    return min(max(math.sqrt(1.2 * lobe.s), math.sqrt(ggx.LEAST_ALPHA)), 1.0)
+    """Roughness, the root of alpha, of GGX facets that look about as wide."""
+    return min(max(math.sqrt(ggx.ALPHA_PER_S * lobe.s), LEAST_ROUGHNESS), 1.0)
 
 
 def spread_f0(lobe: Lobe, material: Material) -> Array:

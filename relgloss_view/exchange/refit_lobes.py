@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.exchange import ggx
 from relgloss_view.exchange.loss import Surface
 from relgloss_view.exchange.ways import Family, Unknown, Way, ways_to_show
 from relgloss_view.material.described import DescribedRecord
@@ -22,8 +23,7 @@ from relgloss_view.material.material import (
 )
 from relgloss_view.measure.bands import RGB
 
-#: Width of a Gaussian over alpha of GGX facets that look about as wide.
-S_PER_ALPHA = 1.0 / 1.2
+S_PER_ALPHA = 1.0 / ggx.ALPHA_PER_S
 LARGEST_STRENGTH = 30.0
 #: Least width of a lobe over the narrowest that is stated. The core of GGX is as wide as a Gaussian
 #: of alpha / 2, which is 0.6 of S_PER_ALPHA: what is narrower is in no description. A picture under

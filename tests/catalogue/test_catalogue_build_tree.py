@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import unicodedata
 
@@ -10,18 +11,24 @@ from catalogue_trees import BROKEN_TABLE, quick_item, save, small_table
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from relgloss_view.base.decoration import VARIABLE
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.resources import asset
 from relgloss_view.catalogue import build as building
 from relgloss_view.catalogue import tree as trees
+from relgloss_view.catalogue import work
 from relgloss_view.catalogue.build import BuildOptions, build
 from relgloss_view.catalogue.catalogue import Catalogue, recipe_of
+from relgloss_view.catalogue.item import Fitted
 from relgloss_view.catalogue.places import LONGEST_PATH, material_places
 from relgloss_view.catalogue.recipe import Recipe
 from relgloss_view.catalogue.table import read_rows, write_table
 from relgloss_view.catalogue.tree import scan
 from relgloss_view.catalogue.work import close_renderer, make_item
+from relgloss_view.gloss.meter.meter import gloss_readings
 from relgloss_view.material.files import load_material
+from relgloss_view.material.material import Diffuse, Lobe, Material
+from relgloss_view.measure.bands import RGB
 
 HOSTILE = [
     "line\nbreak.json",
@@ -172,6 +179,49 @@ def test_no_memory_is_a_fault_of_the_machine(tmp_path, monkeypatch):
     monkeypatch.setattr("relgloss_view.catalogue.work.load_material", exhausted)
     item = make_item(entry.file, entry.path, entry.kind, entry.sha256, Recipe())
     assert (item.failed_in, item.failed) == ("machine", True)
+
+
+def test_a_driver_that_fails_is_a_fault_of_the_machine(tmp_path, monkeypatch):
+    """Kept as the file's own, it would fail in every build to come; its context is given up."""
+    monkeypatch.delenv(VARIABLE, raising=False)
+    save(tmp_path / "paper.json")
+    entry = scan(tmp_path).entries[0]
+    words = (entry.file, entry.path, entry.kind, entry.sha256, Recipe())
+
+    def broken(*arguments, **options):
+        work.renderer()
+        raise RuntimeError("the device is lost")
+
+    with monkeypatch.context() as lost:
+        lost.setattr("relgloss_view.catalogue.look.draw", broken)
+        item = make_item(*words)
+    assert item.failed_in == "machine"
+    assert "the device is lost" in item.row["fault"]
+    assert item.fitted is not None
+    before = work.renderer()
+    assert not make_item(*words).failed
+    assert work.renderer() is before
+    with (
+        monkeypatch.context() as lost
+    ):  # negative control: what a file asks for stays its own fault
+        lost.setattr("relgloss_view.catalogue.look.draw", refused)
+        assert make_item(*words).failed_in == "look"
+    assert work.renderer() is before
+
+
+def refused(*arguments, **options):
+    raise InputError("it can't be drawn")
+
+
+def test_the_first_width_is_that_of_the_brightest_lobe():
+    """A wide lobe of more light is not the one that a meter's distinctness is of."""
+    body = Diffuse("lambert", (0.2, 0.2, 0.2))
+    lobes = (Lobe((0.8,), 12.0), Lobe((0.5,), 1.5))
+    material = Material("two", "by hand", RGB, body, lobes)
+    facts = work.facts_of(material, Fitted({}))
+    assert (facts["s_deg_1"], facts["s_deg_2"]) == (1.5, 12.0)
+    distinct = {r.key: r.value for r in gloss_readings(material)}["distinctness"]
+    assert distinct == pytest.approx(1.0 - math.sqrt(2.0) * math.radians(facts["s_deg_1"]))
 
 
 def test_the_same_bytes_make_the_same_item_in_any_folder(tmp_path):

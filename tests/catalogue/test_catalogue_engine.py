@@ -10,6 +10,8 @@ import subprocess
 import sys
 import threading
 import time
+import tomllib
+import urllib.request
 from pathlib import Path
 
 import catalogue_tasks as work
@@ -277,6 +279,35 @@ def test_another_program_ends_the_run(monkeypatch):
 def test_options_that_lead_nowhere(options, words):
     with pytest.raises(InputError, match=words):
         results(work.tasks_of(work.square, range(3)), options)
+
+
+def test_without_bokeh_a_dashboard_is_refused_with_the_command_that_installs_it(monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    words = rf"needs bokeh; install it with: {sys.executable} -m pip install '.*\[dashboard\]'"
+    with pytest.raises(InputError, match=words) as caught:
+        results(work.tasks_of(work.square, range(3)), EngineOptions(workers=1, dashboard=True))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert f"'{project['name']}[dashboard]'" in str(caught.value)
+    assert any(text.startswith("bokeh") for text in project["optional-dependencies"]["dashboard"])
+
+
+@pytest.mark.slow
+def test_the_dashboard_is_served_on_loopback_alone():
+    """Its page and its own data; the address that is printed is the one that answers."""
+    pytest.importorskip("bokeh")
+    printed, answers = [], []
+
+    def step():
+        if not answers:
+            address = printed[0].split()[-1]
+            assert address.startswith("http://127.0.0.1:")
+            with urllib.request.urlopen(address, timeout=30) as page:
+                answers.append(page.read())
+
+    options = EngineOptions(workers=2, dashboard=True, report=printed.append)
+    got = results(work.tasks_of(work.slow_square, range(20), 0.1), options, step)
+    assert got == {f"slow_square {n}": work.square(n) for n in range(20)}
+    assert b"Bokeh" in answers[0] or b"bokeh" in answers[0]
 
 
 MEMORY = """
