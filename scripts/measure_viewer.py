@@ -4,7 +4,8 @@ Usage: python scripts/measure_viewer.py [drag] [pack] [display] [catalogue] [sta
                                        [--frames N] [--profile FILE] [--items N]
 
 `display` drags c for sRGB and for the displays of --profile, which may be given several times.
-`catalogue` opens a catalogue of N made items, scrolls through it and types into its search.
+`catalogue` opens a catalogue of N made items, scrolls through it and types into its search. Then
+the panel shows, scrolled through by the wheel, and is hidden, in turn, in one run.
 `pack` drags on a can with an ink, a spot varnish and an artwork of 4096 x 4096 pixels.
 
 Everything runs on GLFW's null platform but `idle`, which needs a display. Times are of whole
@@ -31,6 +32,8 @@ PICTURE_PX = 640
 WARM_UP = 15
 DRAG_FRAMES = 120
 CATALOGUE_ITEMS, PHASE_FRAMES = 10_000, 200
+TURN_FRAMES, PAIRS = 60, 8  #: with the panel and without it, in turn
+TURNS = ("scrolling, with the panel", "the same without the panel")
 TYPED = "gloss 60 between 40 and 50 and quality good, sort by haze"
 SOAK_FRAMES, RESIZES, SWITCHES = 20_000, 1_000, 1_000
 
@@ -196,9 +199,31 @@ def catalogue(items: int) -> None:
             elif self.phase == "typing" and count % 4 == 0:
                 many.ask(text=TYPED[: count // 4])
                 if count > 4 * len(TYPED) and not many.searching:
-                    self.begin("over")
-                    self.quit()
+                    many.ask(text="")
+                    self.begin("pairs")
+            elif self.phase in TURNS or self.phase == "pairs":
+                self.take_turns()
             super().frame()
+
+        def take_turns(self) -> None:
+            """Some frames with the panel, some without it, again and again."""
+            turn, within = divmod(self.step - 1, TURN_FRAMES)
+            if turn >= 2 * PAIRS:
+                self.begin("over")
+                self.quit()
+                return
+            shows = turn % 2 == 0
+            if within == 0:
+                panel = next(p for p in self.layout.panels if p.title == "Catalogue")
+                panel.visible = shows
+                if shows:
+                    self.layout.focus("Catalogue")
+            # The first frames of a turn lay the panels out and bring pictures back.
+            self.phase = "pairs" if within < WARM_UP else TURNS[turn % 2]
+            size = imgui.get_main_viewport().size
+            imgui.get_io().add_mouse_pos_event(0.3 * size.x, size.y - 60.0)
+            if shows:  # over a picture the wheel is the camera's
+                imgui.get_io().add_mouse_wheel_event(0.0, -3.0)
 
         def begin(self, phase: str) -> None:
             self.phase, self.step = phase, 0
@@ -220,11 +245,12 @@ def catalogue(items: int) -> None:
         subprocess.run([sys.executable, str(maker), many, str(items)], check=True)
         app = Timed(many)
         Window(app, (1280, 800), headless=True).run(100_000)
-    for phase in ("nothing", "opening", "scrolling", "typing"):
+    for phase in ("nothing", "opening", "scrolling", "typing", *TURNS):
         ms = 1e3 * np.array(app.times[phase][WARM_UP if phase == "nothing" else 0 :])
+        p95, p99 = np.percentile(ms, [95, 99])
         print(
             f"catalogue of {items} items, {phase}: {len(ms)} frames in {ms.sum() / 1e3:.1f} s, "
-            f"median {np.median(ms):.1f} ms, p99 {np.percentile(ms, 99):.1f} ms, longest "
+            f"median {np.median(ms):.1f} ms, p95 {p95:.1f} ms, p99 {p99:.1f} ms, longest "
             f"{ms.max():.1f} ms"
         )
     print(f"memory {_memory_mb():.0f} MB, at most {app.most_kept} thumbnails on the device")

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 from collections.abc import Iterator
+
+# A thread for each processor, in each of the processes of the tests, would wait for the others by
+# spinning: a fit of small matrices then takes three times as long. Read when numpy is imported.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import hypothesis
 import moderngl
@@ -13,6 +18,7 @@ import pytest
 
 from relgloss_view.base import decoration
 from relgloss_view.picture.gpu.context import make_current, open_context
+from relgloss_view.picture.gpu.programs import Programs
 from relgloss_view.picture.gpu.renderer import Renderer
 from relgloss_view.picture.reference import ReferenceRenderer
 from relgloss_view.quality.planner import MethodChooser
@@ -34,6 +40,21 @@ for _name in ("SIGINT", "SIGHUP"):
 # A decoration that fails is a warning for a user, and a failure for a test, in processes that the
 # tests start too.
 os.environ[decoration.VARIABLE] = decoration.RAISE
+
+
+def pytest_collection(session: pytest.Session) -> None:
+    """What collecting makes stays; to look for garbage in it takes a third of its time."""
+    gc.disable()
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Tests collect their own garbage, without a look at what was there before them."""
+    gc.freeze()
+    gc.enable()
+
+
+#: Compiled shaders that a process keeps from test to test, 1 to 3 MB each.
+KEPT_PROGRAMS = 100
 
 
 @pytest.fixture
@@ -65,9 +86,15 @@ def ctx(_session_ctx: moderngl.Context) -> Iterator[moderngl.Context]:
     assert _session_ctx.error == "GL_NO_ERROR", "this test left a GL error"
 
 
+@pytest.fixture(scope="session")
+def _session_programs(_session_ctx: moderngl.Context) -> Programs:
+    return Programs(_session_ctx, KEPT_PROGRAMS)
+
+
 @pytest.fixture
-def renderer(ctx: moderngl.Context) -> Iterator[Renderer]:
-    made = Renderer(ctx, choose=MethodChooser().method)
+def renderer(ctx: moderngl.Context, _session_programs: Programs) -> Iterator[Renderer]:
+    """A new renderer; what it compiles is there for the tests after it."""
+    made = Renderer(ctx, _session_programs, choose=MethodChooser().method)
     yield made
     made.release()
 

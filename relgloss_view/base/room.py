@@ -30,6 +30,7 @@ LIBRARY = {
     "scipy": (70 * MB, 110 * MB, 215 * MB),
     "imgui_bundle": (35 * MB, 25 * MB, 90 * MB),
     "matplotlib": (40 * MB, 30 * MB, 50 * MB),
+    "pyarrow": (70 * MB, 40 * MB, 230 * MB),
 }
 WITH_BLAS = "scipy"
 
@@ -114,6 +115,8 @@ class _ImportGate:
         if need is None:
             return
         resident, data, addresses = need
+        if "numpy" not in sys.modules:  # which most of them import unasked
+            check_start()
         threads = (blas_threads() - 1) * BLAS_THREAD if name == WITH_BLAS else 0.0
         check_room(
             Need(resident, data + threads, addresses + threads), "the program", "raise the limit"

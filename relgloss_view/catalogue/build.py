@@ -27,6 +27,7 @@ from relgloss_view.catalogue.look import reference_of
 from relgloss_view.catalogue.outcome import write_outcome
 from relgloss_view.catalogue.recipe import Recipe
 from relgloss_view.catalogue.store import Store, key_of
+from relgloss_view.catalogue.table import rows_in
 from relgloss_view.catalogue.tree import Entry, Tree, is_catalogue, scan
 from relgloss_view.catalogue.work import close_renderer, make_item
 from relgloss_view.material.material import Quality
@@ -61,6 +62,7 @@ class Report:
     drawn_again: int = 0  #: metered, matched and drawn alone, because the reference has changed
     unchanged: int = 0
     removed: int = 0  #: materials of files that are no longer in the tree
+    unread_folders: int = 0  #: whose files are in no row
     passed_over: int = 0  #: files that are no tables, materials or proofs
     doubtful: list[str] = field(default_factory=list)  #: of them, those named as tables are
     importable: list[str] = field(default_factory=list)  #: of them, materials of other programs
@@ -87,6 +89,8 @@ def build(
     done is kept in any case. Raises InputError where tree or catalogue can't be used.
     """
     recipe, options = recipe or Recipe(), options or BuildOptions()
+    if not os.fspath(folder):
+        raise InputError("an empty name; give the folder of samples, or . for this one")
     top = os.path.realpath(folder)
     reference_of(recipe)  # before anything is written
     if is_catalogue(top):
@@ -94,7 +98,20 @@ def build(
     with claimed(output, top) as catalogue, contextlib.closing(_Renderer()):
         write_mark(catalogue)
         tree = scan(top, lambda count: options.progress(0.0, f"{count:,} files looked at"))
+        if not tree.entries:
+            _check_was_empty(folder, catalogue)
         return _Build(catalogue, tree, recipe, options).build()
+
+
+def _check_was_empty(folder: str | os.PathLike[str], catalogue: Path) -> None:
+    """InputError where a tree without a sample would empty a catalogue: a drive may be away."""
+    count = rows_in(catalogue / TABLE_FILE)
+    if count:
+        raise InputError(
+            f"{named(os.fspath(folder))}: holds no table, material or proof, and the catalogue has "
+            f"{_counted(count, 'file')} of it; check that its drive is there, or remove the "
+            "catalogue"
+        )
 
 
 class _Renderer:
@@ -113,6 +130,7 @@ class _Build:
         self.report = Report(rows=len(tree.entries), passed_over=tree.passed_over)
         self.report.doubtful = list(tree.doubtful)
         self.report.importable = list(tree.importable)
+        self.report.unread_folders = len(tree.faults)
         self.keys: dict[str, str] = {}  #: record by path
         self._groups: dict[str, list[Entry]] = {}  #: entries by record
         self._stopped = False
@@ -128,7 +146,7 @@ class _Build:
         if not self._stopped and self._total:
             run(self._tasks(whole, look_only), self._done, self.options.engine)
         self.report.faults.sort()
-        self.report.failed = len(self.report.faults)
+        self.report.failed = len(self.report.faults) - len(self.tree.faults)
         if not self._stopped:
             self._write()
         return self.report
@@ -212,7 +230,8 @@ class _Build:
             self.catalogue, self.tree.entries, self.keys, self.store, self.recipe,
             self.options.progress,
         )  # fmt: skip
-        self.store.tidy(self._groups.keys())
+        if not self.tree.faults and not any(entry.fault for entry in self.tree.entries):
+            self.store.tidy(self._groups.keys())  # else files that are away for a day are made anew
         self.report.removed = written.removed
         self.report.done = written.done
         self.report.qualities = dict(sorted(written.qualities.items()))
@@ -249,6 +268,11 @@ def words_of(report: Report, output: str) -> list[str]:
     lines.append("; ".join(f"{count:,} {words}" for count, words in work))
     if report.removed:
         lines.append(f"{_counted(report.removed, 'material')} of files that are gone: removed")
+    if report.unread_folders:
+        lines.append(
+            f"{_counted(report.unread_folders, 'folder')} not read; what was made of files in "
+            "them is kept for a later build"
+        )
     if report.passed_over:
         words = _counted(report.passed_over, "file")
         lines.append(f"{words} passed over: no table, material or proof")

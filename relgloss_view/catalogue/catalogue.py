@@ -13,7 +13,7 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import named, printable, refuse
 from relgloss_view.catalogue import table
 from relgloss_view.catalogue.columns import TABLE_FILE
-from relgloss_view.catalogue.places import parts_within
+from relgloss_view.catalogue.places import in_system, parts_within
 from relgloss_view.catalogue.recipe import MOST_THUMBNAIL_PX, Recipe
 from relgloss_view.catalogue.tree import FORMAT, MARK, is_catalogue
 from relgloss_view.gloss.samples import GLOSSES
@@ -45,6 +45,13 @@ class Catalogue:
         relgloss_view.base.errors.InputError: no such folder: is no catalogue; give the folder ...
         """
         place = Path(folder)
+        try:
+            (place / MARK).open("rb").close()
+        except PermissionError as error:
+            reason = f"can't be read ({error.strerror}); ask its owner for the right to read it"
+            raise InputError(f"{named(place)}: {reason}") from error
+        except OSError:
+            pass  # none, or one in the words below
         if not is_catalogue(place):
             raise InputError(f"{named(place)}: is no catalogue; {REMEDY}")
         path = place / TABLE_FILE
@@ -99,7 +106,7 @@ class Catalogue:
         parts = parts_within(place)
         if not parts:
             raise InputError(f"{named(self.table)}: names a material outside the catalogue")
-        return self.folder.joinpath(*parts)
+        return self.folder.joinpath(*map(in_system, parts))
 
     def material(self, path: str) -> Material:
         """The material of an item. Raises InputError."""

@@ -25,7 +25,7 @@ from relgloss_view.base import followed
 from relgloss_view.base.child import PACKAGE_FOLDER, Child
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.shell import command_line
-from relgloss_view.base.temporaries import scratch_folder
+from relgloss_view.base.temporaries import no_temporary_folder, scratch_folder
 from relgloss_view.catalogue import cluster_worker
 from relgloss_view.catalogue.cluster_evidence import Evidence
 from relgloss_view.catalogue.cluster_worker import LOGIN, LOOPBACK, ONE_THREAD, WORKER_CONFIG
@@ -132,6 +132,7 @@ def local_cluster(
             "distributed.comm.timeouts.connect": "10s",
         }
         stack.enter_context(dask.config.set(config))
+        stack.enter_context(_faults_of_start())
         security = distributed.Security.temporary()
         cluster = distributed.LocalCluster(
             n_workers=0,
@@ -166,6 +167,17 @@ def local_cluster(
 def dashboard_link(cluster: Any) -> str:
     """Address of a local cluster's page: the cluster itself names the machine's, not loopback's."""
     return f"http://{LOOPBACK}:{cluster.scheduler.services['dashboard'].port}/status"
+
+
+@contextlib.contextmanager
+def _faults_of_start() -> Iterator[None]:
+    """Dask's "failed to start" as one line, where the system is at fault: a full disk, no files."""
+    try:
+        yield
+    except RuntimeError as error:
+        if not isinstance(error.__cause__, OSError):
+            raise
+        raise no_temporary_folder(error.__cause__) from error
 
 
 @contextlib.contextmanager

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import importlib
 import json
 import os
 import platform
@@ -120,10 +121,11 @@ def perform(tasks: tuple[Task, ...], expected: Program, longest_s: float) -> Per
         return Performed((Refused(words),), (0.0,))
     for name, value in ONE_THREAD.items():  # a cluster's worker that was started without
         os.environ.setdefault(name, value)
-    return _thread.submit(_performed, tasks, longest_s).result()
+    # Dask knows the worker in its own threads alone.
+    return _thread.submit(_performed, tasks, longest_s, worker_name()).result()
 
 
-def _performed(tasks: tuple[Task, ...], longest_s: float) -> Performed:
+def _performed(tasks: tuple[Task, ...], longest_s: float, worker: str) -> Performed:
     results: list[Any] = []
     seconds: list[float] = []
     begun_s = before_s = time.monotonic()
@@ -132,7 +134,7 @@ def _performed(tasks: tuple[Task, ...], longest_s: float) -> Performed:
             if results and before_s > begun_s + longest_s:
                 break
             try:
-                results.append(_result(task))
+                results.append(_result(task, worker))
             except Exception:
                 if results:  # they are kept; the task comes again, as the first one
                     break
@@ -145,12 +147,12 @@ def _performed(tasks: tuple[Task, ...], longest_s: float) -> Performed:
     return Performed(tuple(results), tuple(seconds))
 
 
-def _result(task: Task) -> Any:
+def _result(task: Task, worker: str) -> Any:
     try:
         return task.result()
     except (RelglossError, OSError) as error:
         can_draw = not isinstance(error, GLUnavailableError)
-        return Refused(f"{worker_name()}: {task.name}: {error}", can_draw)
+        return Refused(f"{worker}: {task.name}: {error}", can_draw)
 
 
 def worker_name() -> str:
@@ -183,7 +185,9 @@ def main(folder: str, name: str) -> int:
     with contextlib.suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text(FIRST_TO_GO, encoding="ascii")
     login = json.loads(Path(folder, LOGIN).read_text(encoding="utf-8"))
-    this_program()  # before the first task, whose time would be longer
+    # Before the first task, whose time would be longer.
+    this_program()
+    importlib.import_module("relgloss_view.catalogue.work")
 
     async def serve() -> None:
         worker = distributed.Worker(
@@ -218,4 +222,7 @@ WORKER_CONFIG = {
 }
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+    # Tasks import this module by its name; what is computed here would be computed again there.
+    from relgloss_view.catalogue import cluster_worker
+
+    sys.exit(cluster_worker.main(*sys.argv[1:]))

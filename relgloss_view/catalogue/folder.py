@@ -41,8 +41,9 @@ def claimed(output: str | os.PathLike[str], top: str) -> Iterator[Path]:
             f"-o {named(shown)}: holds the samples themselves; choose a folder for the catalogue "
             "alone"
         )
+    with errors_of(shown):  # such as a name that is too long
+        made = not place.exists()
     _check_content(place, shown)
-    made = not place.exists()
     with errors_of(shown):
         place.mkdir(parents=True, exist_ok=True)
     with contextlib.ExitStack() as stack:
@@ -56,6 +57,8 @@ def claimed(output: str | os.PathLike[str], top: str) -> Iterator[Path]:
 def write_mark(catalogue: Path) -> None:
     """Mark a folder as a catalogue, unless it is one."""
     if not is_catalogue(catalogue):
+        for left in catalogue.glob(f".{MARK}.*{PART}"):
+            left.unlink(missing_ok=True)
         content = {"format": FORMAT, "version": VERSION}
         put_whole(catalogue / MARK, json.dumps(content).encode() + b"\n", catalogue)
 
@@ -64,6 +67,8 @@ def _check_content(place: Path, shown: str) -> None:
     """InputError where a folder is there that is no catalogue of this version."""
     if not os.path.lexists(place):
         return
+    if place.is_symlink():  # what links lead to was looked up: this one leads to itself
+        raise InputError(f"-o {named(shown)}: is a link that leads nowhere; remove it")
     if not place.is_dir():
         raise InputError(f"-o {named(shown)}: is a file; give the name of a folder")
     if is_catalogue(place):
@@ -78,7 +83,10 @@ def _check_content(place: Path, shown: str) -> None:
         names = os.listdir(place)
     except OSError as error:
         reason = error.strerror or error
-        raise InputError(f"-o {named(shown)}: can't be read ({reason})") from error
+        raise InputError(
+            f"-o {named(shown)}: can't be read ({reason}); mend its permissions, or choose another "
+            "folder"
+        ) from error
     if any(not _is_ours(name) for name in names):
         raise InputError(
             f"-o {named(shown)}: holds files and is no catalogue; choose a new or an empty folder"
@@ -87,7 +95,8 @@ def _check_content(place: Path, shown: str) -> None:
 
 def _is_ours(name: str) -> bool:
     """Whether a build that was killed before it marked its folder has left a name."""
-    return name in (LOCK, f".{MARK}{PART}") or name.startswith(PREFIX)
+    is_mark = name.startswith(f".{MARK}.") and name.endswith(PART)
+    return name == LOCK or is_mark or name.startswith(PREFIX)
 
 
 @contextlib.contextmanager

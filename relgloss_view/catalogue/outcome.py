@@ -17,7 +17,13 @@ from relgloss_view.base.terminal import ProgressReport
 from relgloss_view.base.version import __version__
 from relgloss_view.catalogue import table
 from relgloss_view.catalogue.columns import DONE, FAILED, TABLE_FILE
-from relgloss_view.catalogue.places import FOLDER, SUFFIX, material_places
+from relgloss_view.catalogue.places import (
+    FOLDER,
+    SUFFIX,
+    from_system,
+    in_system,
+    material_places,
+)
 from relgloss_view.catalogue.recipe import Recipe
 from relgloss_view.catalogue.store import PART, Store, put_whole
 from relgloss_view.catalogue.tree import FORMAT, Entry
@@ -89,7 +95,7 @@ def _row(
     row = item.row | row
     if item.material is not None:
         text = material_text(item.material).encode("utf-8")
-        _put_changed(catalogue / places[entry.path], text, catalogue)
+        _put_changed(catalogue / in_system(places[entry.path]), text, catalogue)
         row["material"] = places[entry.path]
         written.materials.add(places[entry.path])
     if item.driver:
@@ -118,7 +124,7 @@ def _remove_others(catalogue: Path, kept: set[str]) -> int:
         for name in names:
             checkpoint()
             path = Path(folder) / name
-            place = path.relative_to(catalogue).as_posix()
+            place = from_system(path.relative_to(catalogue).as_posix())
             if place in kept:
                 continue
             is_part = name.startswith(".") and name.endswith(PART)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 import unicodedata
 from collections import defaultdict
@@ -52,6 +53,16 @@ def parts_within(place: str) -> tuple[str, ...]:
     path = PurePosixPath(place)
     leads_out = path.is_absolute() or ".." in path.parts or "\\" in place or "\0" in place
     return () if leads_out else path.parts
+
+
+def in_system(place: str) -> str:
+    """A place as this system's calls take it: its bytes are UTF-8, whatever this user's are."""
+    return os.fsdecode(place.encode("utf-8"))
+
+
+def from_system(name: str) -> str:
+    """The place of a name that a system's call has returned."""
+    return os.fsencode(name).decode("utf-8", "replace")
 
 
 def _place(path: str) -> str:

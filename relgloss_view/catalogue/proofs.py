@@ -87,7 +87,8 @@ def listed_proofs(manifest: object) -> Sequence[str]:
     return [str(e["file"]) for e in entries if isinstance(e, dict) and "file" in e]
 
 
-def _proof(hit: Hit, found: Found, catalogue: Searched, renderer: FrameRenderer) -> Proof:
+def pair_of(hit: Hit, found: Found, catalogue: Searched) -> SceneFile:
+    """A hit beside the reference of its query, or else of its catalogue; each c is matched."""
     base = reference_of(catalogue.recipe)
     material = catalogue.material(hit.path)
     sigma = float(hit.row.get("sigma_n_deg") or 0.0)
@@ -100,7 +101,7 @@ def _proof(hit: Hit, found: Found, catalogue: Searched, renderer: FrameRenderer)
         own = matched(base, reference, grain)
         reference_look = viewed_look().with_entries(c=own.test_c, sigma_n_deg=grain)
         pair = None
-    scene = SceneFile(
+    return SceneFile(
         Sample(material),
         viewed_look().with_entries(c=match.test_c, sigma_n_deg=sigma),
         Setup(),
@@ -108,6 +109,14 @@ def _proof(hit: Hit, found: Found, catalogue: Searched, renderer: FrameRenderer)
         viewed_look().with_entries(c=reference_look.c, sigma_n_deg=reference_look.sigma_n_deg),
         match=pair,
     )
-    made = content_of(scene, renderer, title=hit.name)
-    note = f"Hit {hit.rank} of the query: {found.query.text}"[:MOST_NOTE]
-    return Proof(made.content, (Message(made.settings, note, "", present_time(), PROGRAM),))
+
+
+def note_of(hit: Hit, found: Found) -> str:
+    """The note of a hit's proof."""
+    return f"Hit {hit.rank} of the query: {found.query.text}"[:MOST_NOTE]
+
+
+def _proof(hit: Hit, found: Found, catalogue: Searched, renderer: FrameRenderer) -> Proof:
+    made = content_of(pair_of(hit, found, catalogue), renderer, title=hit.name)
+    message = Message(made.settings, note_of(hit, found), "", present_time(), PROGRAM)
+    return Proof(made.content, (message,))

@@ -11,11 +11,13 @@ from __future__ import annotations
 
 import base64
 import contextlib
+import errno
 import hashlib
 import json
 import math
 import os
 import re
+import secrets
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -224,17 +226,27 @@ def put_whole(path: Path, data: bytes, named_as: Path) -> None:
     named_as: what a message names. Raises InputError where it can't be written; the file keeps its
     former content then.
     """
-    part = path.with_name(f".{path.name[:40]}{PART}")
     with faults_of(named_as):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            with open(part, "wb") as file:
-                file.write(data)
-            os.replace(part, path)
-        except BaseException:
-            with contextlib.suppress(OSError):
-                os.unlink(part)
-            raise
+        for tries_left in (2, 1, 0):
+            try:
+                _put_once(path, data)
+                return
+            except FileNotFoundError:  # another build's tidying: some drives have no locks
+                if not tries_left:
+                    raise
+
+
+def _put_once(path: Path, data: bytes) -> None:
+    part = path.with_name(f".{path.name[:40]}.{secrets.token_hex(4)}{PART}")  # no other build's
+    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        with open(part, "wb") as file:
+            file.write(data)
+        os.replace(part, path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.unlink(part)
+        raise
 
 
 @contextlib.contextmanager
@@ -244,9 +256,14 @@ def faults_of(catalogue: Path) -> Iterator[None]:
         yield
     except OSError as error:
         reason = os.strerror(error.errno) if error.errno else str(error)
+        is_refused = error.errno in (errno.EACCES, errno.EPERM, errno.EROFS)
+        place = os.fspath(catalogue)
+        if is_refused and isinstance(error.filename, str | os.PathLike):
+            place = os.path.dirname(error.filename)  # of a new file, which nobody has seen
+        remedy = "mend its permissions" if is_refused else "make room there"
         raise InputError(
-            f"{named(catalogue)}: can't be written ({reason}); make room there, then build again: "
-            "what is done is kept"
+            f"{named(place)}: can't be written ({reason}); {remedy}, then build again: what is "
+            "done is kept"
         ) from error
 
 

@@ -17,7 +17,7 @@ import pyarrow.parquet as pq
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.json_files import parse_json
-from relgloss_view.base.reading import check_regular, named, printable
+from relgloss_view.base.reading import named, open_regular, printable
 from relgloss_view.base.writing import whole_file
 from relgloss_view.catalogue.columns import (
     BY_NAME,
@@ -32,10 +32,14 @@ from relgloss_view.catalogue.columns import (
 )
 from relgloss_view.catalogue.store import faults_of
 
+# Its own allocator would set a gigabyte of addresses aside, which `ulimit -v` may not leave.
+pa.set_memory_pool(pa.system_memory_pool())
+
 VERSION = 1  #: of the table
 KEY = b"relgloss.catalogue"  #: of the JSON object in the file's metadata
 MOST = 1e100  #: of a number; a table that somebody else has written may hold any
 ROWS = 200  #: of a row group, which is what the writer holds in memory
+MOST_ROWS = 1_000_000  #: of a row group that is read; pandas writes a whole table as one
 EXPECTED = "the table of a catalogue (Parquet, from `relgloss catalogue build`)"
 _TYPES = {
     TEXT: pa.string(),
@@ -95,6 +99,15 @@ def read_metadata(path: Path) -> dict[str, Any]:
     return content
 
 
+def rows_in(path: Path) -> int:
+    """How many rows a table has; 0 where it is none."""
+    try:
+        with _opened(path) as file:
+            return int(file.metadata.num_rows)
+    except InputError:
+        return 0
+
+
 def read_rows(path: Path, names: Collection[str] | None = None) -> list[dict[str, Any]]:
     """The rows, in the file's order, with these columns or, by default, all but the thumbnail."""
     wanted = [name for name in NAMES if name != "thumbnail" and (names is None or name in names)]
@@ -104,7 +117,7 @@ def read_rows(path: Path, names: Collection[str] | None = None) -> list[dict[str
     with _opened(path) as file:
         # In parts: pyarrow keeps all other threads from working while it makes values of a table.
         for k in range(file.num_row_groups):
-            rows += file.read_row_group(k, columns=wanted).to_pylist()
+            rows += file.read_row_group(k, columns=wanted, use_threads=False).to_pylist()
     numbers = [name for name in wanted if BY_NAME[name].kind == NUMBER]
     for row in rows:
         for name in numbers:
@@ -122,10 +135,16 @@ def read_thumbnails(path: Path, wanted: Collection[str]) -> dict[str, bytes]:
         for k in range(file.num_row_groups):
             if not left:
                 break
-            here = file.read_row_group(k, columns=["path"]).column("path").to_pylist()
+            here = (
+                file.read_row_group(k, columns=["path"], use_threads=False)
+                .column("path")
+                .to_pylist()
+            )
             numbers = [n for n, name in enumerate(here) if name in left]
             if numbers:
-                column = file.read_row_group(k, columns=["thumbnail"]).column("thumbnail")
+                column = file.read_row_group(k, columns=["thumbnail"], use_threads=False).column(
+                    "thumbnail"
+                )
                 for n in numbers:
                     data = column[n].as_py()
                     if data is not None:
@@ -134,16 +153,24 @@ def read_thumbnails(path: Path, wanted: Collection[str]) -> dict[str, bytes]:
     return found
 
 
+def _check_counts(footer: pq.FileMetaData, path: Path) -> None:
+    """InputError for counts that no build writes: memory is taken by them before a row is read."""
+    counts = [footer.row_group(k).num_rows for k in range(footer.num_row_groups)]
+    if min(counts, default=0) < 0 or max(counts, default=0) > MOST_ROWS:
+        raise InputError(f"{named(path)}: not {EXPECTED} (its counts of rows can't be right)")
+
+
 @contextmanager
 def _opened(path: Path) -> Iterator[pq.ParquetFile]:
     """A table, opened and checked; InputError for what is none."""
-    check_regular(path, EXPECTED)
+    open_regular(path, EXPECTED).close()
     try:
         with pq.ParquetFile(path) as file:
             if not file.schema_arrow.equals(SCHEMA):
                 raise InputError(
                     f"{named(path)}: has other columns than this program's; build it again"
                 )
+            _check_counts(file.metadata, path)
             yield file
-    except (pa.ArrowException, OSError, ValueError) as error:
+    except (pa.ArrowException, MemoryError, OSError, ValueError) as error:
         raise InputError(f"{named(path)}: not {EXPECTED} ({printable(error)})") from error

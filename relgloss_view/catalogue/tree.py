@@ -66,7 +66,7 @@ def is_catalogue(folder: str | os.PathLike[str]) -> bool:
 
 
 def scan(root: str | os.PathLike[str], seen: Callable[[int], object] = bool) -> Tree:
-    """The tables, materials and proofs of a tree, however deep.
+    """The tables, materials and proofs of a tree, at most MOST_DEPTH folders deep.
 
     Hidden files, catalogues, and links to folders of the tree itself are passed over. seen: called
     with the number of files that were looked at. Raises InputError where `root` can't be read.
@@ -110,10 +110,10 @@ def _files(top: str, faults: list[str]) -> Iterator[str]:
                 found = sorted(listed, key=lambda one: one.name)
         except OSError as error:
             reason = error.strerror or error
-            line = f"{named(folder)}: can't be read ({reason}); mend its permissions"
+            line = f"can't be read ({reason}); mend its permissions"
             if folder == top:
-                raise InputError(line) from error
-            faults.append(line)
+                raise InputError(f"{named(folder)}: {line}") from error
+            faults.append(f"{named(_path_in(top, folder))}: {line}")
             continue
         folders = []
         for one in found:
@@ -124,7 +124,11 @@ def _files(top: str, faults: list[str]) -> Iterator[str]:
                 real = os.path.realpath(one.path)
                 if one.is_symlink() and (_is_within(top, real) or _is_within(real, top)):
                     continue  # it is in the tree under its own name, or holds the tree
-                if _identity(one.path) in entered or depth + 1 >= MOST_DEPTH:
+                if _identity(one.path) in entered:
+                    continue
+                if depth + 1 >= MOST_DEPTH:
+                    line = f"more than {MOST_DEPTH} folders within each other; move it up"
+                    faults.append(f"{named(_path_in(top, one.path))}: {line}")
                     continue
                 if not is_catalogue(one.path):
                     entered.add(_identity(one.path))
@@ -162,9 +166,14 @@ def _entry(top: str, file: str) -> Entry | None:
         with open_regular(file, EXPECTED) as opened:
             head = opened.read(HEAD_BYTES)
     except (InputError, OSError) as error:
-        reason = getattr(error.__cause__ or error, "strerror", None) or str(error)
+        inner = error.__cause__ or error.__context__ or error  # open_regular hides it
+        reason = getattr(inner, "strerror", None) or str(error)
         if file.lower().endswith(_DATA):
-            line = f"can't be read ({_reason(reason, file)}); mend its permissions"
+            if isinstance(inner, FileNotFoundError):  # it has gone since its folder was listed
+                return None
+            is_refused = isinstance(inner, PermissionError)
+            remedy = "mend its permissions" if is_refused else "mend it, or move it elsewhere"
+            line = f"can't be read ({_reason(reason, file)}); {remedy}"
             return Entry(file, path, _kind_by_name(file), 0, fault=line)
         return None
     kind = kind_of(file, head, size)
@@ -230,12 +239,12 @@ def text_of(path: str) -> str:
     >>> text_of("lot/paper.csv"), text_of("a\udcff.csv")
     ('lot/paper.csv', 'a\\xff.csv~9ee97a19')
     """
+    data = os.fsencode(path)  # the same bytes, whichever encoding this user's names have
     try:
-        path.encode("utf-8")
-    except UnicodeEncodeError:
-        shown = os.fsencode(path).decode("utf-8", "backslashreplace")
-        return f"{shown}~{_digest_of(path)}"
-    return f"{path}~{_digest_of(path)}" if _SHOWN.search(path) else path
+        text = data.decode("utf-8")
+    except UnicodeDecodeError:
+        return f"{data.decode('utf-8', 'backslashreplace')}~{_digest_of(path)}"
+    return f"{text}~{_digest_of(path)}" if _SHOWN.search(text) else text
 
 
 def _digest_of(path: str) -> str:

@@ -6,7 +6,7 @@ import os
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable, read_beginning
-from relgloss_view.base.writing import check_writable
+from relgloss_view.commands import outputs
 
 PROFILE, DISPLAY_FILE, READINGS = "profile", "display file", "readings"
 EXPECTED = (
@@ -37,14 +37,7 @@ def check_output(output: str | None, sources: list[str]) -> None:
     """InputError where a display file can't be written, or would replace what it comes from."""
     if output is None:
         return
-    if not output.lower().endswith(".toml"):
-        raise InputError(f"-o {output or repr(output)}: expected a name that ends in .toml")
-    check_writable(output)
-    for source in sources:
-        if os.path.exists(output) and os.path.samefile(output, source):
-            raise InputError(
-                f"-o {printable(output)}: this is the file that is read; choose another name"
-            )
+    outputs.check_output(output, sources, ".toml")
 
 
 def beside(output: str, profile: str) -> str:

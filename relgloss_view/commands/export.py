@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import warn
-from relgloss_view.base.writing import check_writable
+from relgloss_view.commands.outputs import check_output
 
 if TYPE_CHECKING:
+    from relgloss_view.exchange.formats import Format
     from relgloss_view.material.material import Material
     from relgloss_view.pack.pack import Pack
 
@@ -74,7 +75,6 @@ def add(commands: Any) -> None:
         "--pixels",
         metavar="N",
         type=int,
-        default=MOST_PX,
         help=f"Longest side of a texture, in pixels (default {MOST_PX})",
     )
     parser.add_argument(
@@ -90,22 +90,24 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the file, then print what is lost."""
-    from relgloss_view.exchange.formats import ExportOptions, format_of
+    from relgloss_view.exchange.formats import MOST_PX, ExportOptions, format_of
     from relgloss_view.pack.shape import Shape
 
-    if not LEAST_PX <= args.pixels <= LARGEST_PX:
-        raise InputError(f"--pixels {args.pixels}: expected {LEAST_PX} to {LARGEST_PX}")
+    pixels = MOST_PX if args.pixels is None else args.pixels
+    if not LEAST_PX <= pixels <= LARGEST_PX:
+        raise InputError(f"--pixels {pixels}: expected {LEAST_PX} to {LARGEST_PX}")
     path = Path(args.output)
     chosen = format_of(path)
-    check_writable(path)
+    check_output(args.output, [args.sample, args.grid or args.sample])
     what = sample_of(args.sample)
     options = ExportOptions(
         grid=args.grid,
         basis=args.basis,
         shape=Shape(args.form) if args.form else None,
-        most_px=args.pixels,
+        most_px=pixels,
         bare=args.bare,
     )
+    _name_unused(args, chosen, what)
     exported = chosen.write(what, path, options)
     if args.json:
         content = {
@@ -129,6 +131,21 @@ def run(args: argparse.Namespace) -> int:
         print(LEGEND)
     print(f"{printable(args.output)}: written as {chosen.name}")
     return 0
+
+
+def _name_unused(args: argparse.Namespace, chosen: Format, what: Material | Pack) -> None:
+    """Warn of options that this output has no use for."""
+    from relgloss_view.material.material import Material
+
+    for option in ("grid", "basis", "form", "pixels"):
+        if getattr(args, option) is None:
+            continue
+        if option not in chosen.options:
+            warn(f"--{option} changes nothing in a file of {chosen.name}")
+        elif option == "form" and not isinstance(what, Material):
+            warn("--form changes nothing: a pack has its own form")
+        elif option == "pixels" and isinstance(what, Material):
+            warn("--pixels changes nothing: a material has no textures")
 
 
 def sample_of(name: str) -> Material | Pack:

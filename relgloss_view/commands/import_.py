@@ -9,7 +9,7 @@ from typing import Any
 
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import warn
-from relgloss_view.base.writing import check_writable
+from relgloss_view.commands.outputs import check_output
 
 
 def add(commands: Any) -> None:
@@ -46,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
 
     path = Path(args.file)
     known = reader_of(path)
-    check_writable(args.output)
+    check_output(args.output, [args.file], ".json")
     material = known.read(path, args.part)
     save_material(material, args.output)
     record = material.described

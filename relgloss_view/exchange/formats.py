@@ -71,6 +71,7 @@ class Format(NamedTuple):
     writer: str  #: 'module:function' below relgloss_view.exchange
     takes_packs: bool = False
     holds_own: bool = False  #: whether its files hold the material itself, unless they are bare
+    options: tuple[str, ...] = ()  #: of the command, that it has a use for, beside --bare
 
     def write(self, what: Material | Pack, path: Path, options: ExportOptions) -> Exported:
         """Write a material or a pack; InputError where the format takes no packs."""
@@ -113,10 +114,10 @@ FORMATS: dict[str, Format] = {
     ".mtlx": Format(
         "MaterialX (OpenPBR surface)", "materialx:write", takes_packs=True, holds_own=True
     ),
-    ".glb": Format("glTF 2.0", "gltf:write", takes_packs=True, holds_own=True),
+    ".glb": Format("glTF 2.0", "gltf:write", True, True, options=("form", "pixels")),
     ".binary": Format("MERL binary", "merl:write"),
-    ".csv": Format("CSV of directions and values", "csv_out:write"),
-    ".xml": Format("BSDF XML (Radiance, WINDOW)", "bsdf_xml:write"),
+    ".csv": Format("CSV of directions and values", "csv_out:write", options=("grid",)),
+    ".xml": Format("BSDF XML (Radiance, WINDOW)", "bsdf_xml:write", options=("basis",)),
 }
 #: What is read, by its beginning.
 READERS: tuple[ReadFormat, ...] = (

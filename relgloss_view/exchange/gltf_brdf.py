@@ -3,7 +3,9 @@
 The formulas are those of appendix B of the specification (Khronos 2021) and of the extensions
 KHR_materials_specular, KHR_materials_ior and KHR_materials_clearcoat: GGX with Smith's correlated
 shadowing, Fresnel by Schlick 1994, a Lambertian body that loses what the specular part reflects,
-and a clear coat of F0 0.04 by the angle of the half-vector, as renderers draw it.
+and a clear coat of F0 0.04. Its Fresnel is by the half-vector in both places, as Filament draws it;
+the extension takes the angle of the normal, and three.js does for what is left to the layers below,
+which differs where the lamp grazes the surface.
 Programs of the web leave out the light that facets reflect more than once, and so does this.
 """
 
@@ -22,6 +24,7 @@ WHITE: Colour = (1.0, 1.0, 1.0)
 MODEL = "glTF 2.0"
 #: Extensions that the surface holds.
 SPECULAR, IOR, COAT = "KHR_materials_specular", "KHR_materials_ior", "KHR_materials_clearcoat"
+GLTF_LOBES = ("roughness", "clearcoat_roughness")  #: of the base, and of the coat
 COAT_F0 = 0.04  #: of KHR_materials_clearcoat, whose index is 1.5
 #: In files: no more digits than a float32 has.
 DIGITS = 6
@@ -104,6 +107,23 @@ class GltfSurface:
         if extensions:
             made["extensions"] = extensions
         return made
+
+
+def gltf_starting_points(surface: GltfSurface) -> dict[str, Any]:
+    """What refit_lobes starts from: colour, widths (the stronger lobe first), F0, index."""
+    base = max(surface.roughness**2, ggx.LEAST_ALPHA)
+    alphas = [base]
+    if surface.clearcoat > 0.0:
+        coat = max(surface.clearcoat_roughness**2, ggx.LEAST_ALPHA)
+        weight = float(np.max(surface.f0)) if surface.metallic < 0.5 else 1.0
+        first = weight / base >= COAT_F0 * surface.clearcoat / coat
+        alphas = [base, coat] if first else [coat, base]
+    return {
+        "colour": tuple((1.0 - surface.metallic) * v for v in surface.base_color),
+        "alphas": alphas,
+        "f0": surface.base_color if surface.metallic > 0.5 else None,
+        "index": max(1.01, ggx.index_of(float(np.max(surface.f0)))),
+    }
 
 
 def _lobe(t: ggx.Turn, roughness: float) -> Array:

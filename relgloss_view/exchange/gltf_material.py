@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import io
-import math
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -12,13 +11,12 @@ from relgloss_view.base.arrays import Array
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.exchange.gltf_brdf import COAT, IOR, SPECULAR, Colour, GltfSurface
-from relgloss_view.exchange.gltf_maps import linear_of
+from relgloss_view.exchange.picture_mean import picture_mean
+from relgloss_view.material.cielab import srgb_decoded
 from relgloss_view.pack.forms.gltf_document import Document
 
 EXTENSIONS = (SPECULAR, IOR, COAT)  #: that the surface holds
 GLOSSINESS, UNLIT = "KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit"
-MOST_PIXELS = 16384 * 16384  #: of a texture
-MEAN_PX = 512  #: to which a texture is made smaller for its mean
 MOST_LINES = 40
 #: What other extensions state, for people.
 _WORDS = {
@@ -34,6 +32,23 @@ _WORDS = {
     "KHR_materials_emissive_strength": "the strength of its own light",
 }
 _SRGB = "sRGB"
+#: By name, the factors of which an extension does nothing where all are 0, as they are by default.
+_NOTHING = {
+    "KHR_materials_transmission": ("transmissionFactor",),
+    "KHR_materials_diffuse_transmission": ("diffuseTransmissionFactor",),
+    "KHR_materials_volume": ("thicknessFactor",),
+    "KHR_materials_sheen": ("sheenColorFactor",),
+    "KHR_materials_anisotropy": ("anisotropyStrength",),
+    "KHR_materials_iridescence": ("iridescenceFactor",),
+    "KHR_materials_dispersion": ("dispersion",),
+}
+THROUGH = ("KHR_materials_transmission", "KHR_materials_diffuse_transmission")
+WEBP, TRANSFORM = "EXT_texture_webp", "KHR_texture_transform"
+#: Pictures that a gloss meter sees.
+_OF_GLOSS = (
+    *("roughness and metallic", "specular", "specular and glossiness"),
+    *("clear coat", "clear coat's roughness"),
+)
 
 
 class GltfMaterial:
@@ -101,6 +116,8 @@ class GltfMaterial:
         for name in self._extensions:
             if name in (*EXTENSIONS, GLOSSINESS, UNLIT) or len(self.lines) > MOST_LINES:
                 continue
+            if self._does_nothing(name):
+                continue
             self.lines.append(_WORDS.get(name, f"the extension {printable(name, 60)}"))
         if any(self._colour(entry, "emissiveFactor", 3, default=0.0)):
             self.lines.append("its own light (emissiveFactor)")
@@ -110,6 +127,27 @@ class GltfMaterial:
             self.lines.append("shadows that are painted on it (occlusionTexture)")
         if entry.get("alphaMode", "OPAQUE") != "OPAQUE":
             self.lines.append("that it lets light through by its alpha (alphaMode)")
+
+    def _does_nothing(self, name: str) -> bool:
+        """Whether the factors of an extension leave the surface as it is without."""
+        if name == "KHR_materials_emissive_strength":
+            return not any(self._colour(self._entry, "emissiveFactor", 3, default=0.0))
+        part = _part(self._extensions, name)
+        return name in _NOTHING and all(
+            part.get(key, 0.0) in (0, [0, 0, 0]) for key in _NOTHING[name]
+        )
+
+    def seen_through(self, surface: GltfSurface) -> GltfSurface:
+        """The surface with the body that is left where light passes through, as before black."""
+        share = 1.0
+        for name in THROUGH:
+            part = _part(self._extensions, name)
+            share *= 1.0 - _number(part, _NOTHING[name][0], 0.0, 0.0, 1.0)
+        if share == 1.0 or surface.metallic > 0.5:
+            return surface
+        return dataclasses.replace(
+            surface, base_color=_as_colour(share * np.asarray(surface.base_color))
+        )
 
     def _colour(
         self,
@@ -132,35 +170,21 @@ class GltfMaterial:
         """The mean (4,) of a texture's channels, linear in light; ones where there is none."""
         if key not in holder:
             return np.ones(4)
-        texture = self._document.entry("textures", _part(holder, key).get("index"))
-        if "source" not in texture:
-            self.lines.append(f"the picture of the {words}, which is of a kind that is not read")
+        use = _part(holder, key)
+        texture = self._document.entry("textures", use.get("index"))
+        source = texture.get("source", _part(_part(texture, "extensions"), WEBP).get("source"))
+        if source is None:
+            guess = ", so that the gloss is a guess" if words in _OF_GLOSS else ""
+            self.lines.append(
+                f"the picture of the {words}, which is of a kind that is not read: its factor "
+                f"counts alone{guess}"
+            )
             return np.ones(4)
-        mean = _mean_of(self._document.picture(texture["source"]), space)
-        self.lines.append(f"the picture of the {words}: its mean stands for it")
+        curve = srgb_decoded if space == _SRGB else None
+        mean = picture_mean(self._document.picture(source), curve)
+        cut = " (KHR_texture_transform may show a part of it)" if _shows_part(use) else ""
+        self.lines.append(f"the picture of the {words}: its mean stands for it{cut}")
         return mean
-
-
-def _mean_of(data: bytes, space: str) -> Array:
-    from PIL import Image
-
-    if not data.startswith((b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff")):
-        raise InputError("a texture is neither PNG nor JPEG; export it again")
-    try:
-        with Image.open(io.BytesIO(data), formats=("PNG", "JPEG")) as image:
-            if image.width * image.height > MOST_PIXELS:
-                raise InputError("a texture has too many pixels; export smaller ones")
-            image.draft("RGB", (MEAN_PX, MEAN_PX))
-            small = np.asarray(image.convert("RGBA"))
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-        raise InputError("a texture is broken; export it again") from error
-    step = max(1, int(math.sqrt(small.shape[0] * small.shape[1]) / (2 * MEAN_PX)))
-    channels = small[::step, ::step].reshape(-1, 4)
-    counts = [np.bincount(channels[:, k], minlength=256) / len(channels) for k in range(4)]
-    steps = np.arange(256) / 255.0
-    light = np.array([linear_of(np.full(3, v))[0] for v in range(256)])
-    values = [light if space == _SRGB and k < 3 else steps for k in range(4)]
-    return np.array([count @ value for count, value in zip(counts, values, strict=True)])
 
 
 def _part(holder: dict[str, Any], key: str) -> dict[str, Any]:
@@ -183,3 +207,11 @@ def _number(holder: dict[str, Any], key: str, default: float, low: float, high: 
 def _as_colour(values: Array) -> Colour:
     red, green, blue = (float(v) for v in values)
     return red, green, blue
+
+
+def _shows_part(use: dict[str, Any]) -> bool:
+    transform = _part(_part(use, "extensions"), TRANSFORM)
+    scale = transform.get("scale", [1.0, 1.0])
+    return isinstance(scale, list) and any(
+        isinstance(v, int | float) and abs(v) < 1.0 for v in scale
+    )

@@ -13,9 +13,9 @@ import numpy as np
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import decoding, named, printable, read_bytes
-from relgloss_view.exchange import ggx
-from relgloss_view.exchange.gltf_brdf import MODEL, GltfSurface
+from relgloss_view.exchange.gltf_brdf import GLTF_LOBES, MODEL, GltfSurface, gltf_starting_points
 from relgloss_view.exchange.gltf_material import EXTENSIONS, GltfMaterial
+from relgloss_view.exchange.mirrors import drawable
 from relgloss_view.exchange.own import EXTRAS, own_material
 from relgloss_view.exchange.refit_lobes import refit_lobes
 from relgloss_view.material.material import Material
@@ -118,8 +118,11 @@ class _File:
 
     def _described(self, entry: dict[str, Any], name: str, number: int | None = None) -> Material:
         theirs = GltfMaterial(self.document, entry)
-        surface = theirs.surface()
-        lines = list(theirs.lines)
+        stated = theirs.surface()
+        surface, mirrors = drawable(
+            theirs.seen_through(stated), GLTF_LOBES if stated.clearcoat > 0.0 else GLTF_LOBES[:1]
+        )
+        lines = [*theirs.lines, *mirrors]
         if number is not None and self._has_colours(number):
             lines.append("colours of the mesh's points (COLOR_0)")
         return refit_lobes(
@@ -127,12 +130,9 @@ class _File:
             name=printable(name, 60),
             source=f"described by a glTF file, {printable(self.path.name, 60)}",
             model=MODEL,
-            parameters=_parameters(surface),
-            colour=tuple((1.0 - surface.metallic) * v for v in surface.base_color),
-            alphas=_alphas(surface),
-            f0=surface.base_color if surface.metallic > 0.5 else None,
-            index=max(1.01, ggx.index_of(float(np.max(surface.f0)))),
+            parameters=_parameters(stated),
             not_carried=tuple(lines),
+            **gltf_starting_points(surface),
         )
 
     def _has_colours(self, number: int) -> bool:
@@ -156,14 +156,3 @@ def _parameters(surface: GltfSurface) -> dict[str, Any]:
     for name in EXTENSIONS:
         parameters.update(entry.get("extensions", {}).get(name, {}))
     return parameters
-
-
-def _alphas(surface: GltfSurface) -> list[float]:
-    """GGX widths of the lobes, the stronger one first."""
-    base = max(surface.roughness**2, ggx.LEAST_ALPHA)
-    if surface.clearcoat <= 0.0:
-        return [base]
-    coat = max(surface.clearcoat_roughness**2, ggx.LEAST_ALPHA)
-    weight = float(np.max(surface.f0)) if surface.metallic < 0.5 else 1.0
-    first = weight / base >= 0.04 * surface.clearcoat / coat
-    return [base, coat] if first else [coat, base]

@@ -14,40 +14,101 @@ import numpy as np
 
 from relgloss_view.base.reading import printable
 from relgloss_view.exchange import ggx
+from relgloss_view.exchange.gltf_brdf import GLTF_LOBES, gltf_starting_points
+from relgloss_view.exchange.materialx_nodes import connected, input_of, numbers_of
 from relgloss_view.exchange.materialx_values import Values
+from relgloss_view.exchange.mirrors import drawable
 from relgloss_view.exchange.openpbr import WHITE, OpenPbr
+from relgloss_view.exchange.schlick_layers import SchlickLayers
+from relgloss_view.exchange.standard_surface import StandardSurface
 
-INDEX = (1.0, 10.0)
-#: Its facets are about as wide as the narrowest lobe that is drawn here (S_DEG_DRAWN).
-LEAST_ROUGHNESS = 0.0324
+INDEX = (1.0, 100.0)  #: others write 50 for a metal
+MIRROR_INDEX = 1e6  #: of a lobe whose F0 is its strength
+MOSTLY = 0.5  #: metalness above which a body does not count
+MOST_TINT = 1e3  #: of glTF's specular_color, as KHR_materials_specular allows more than 1
 #: Beginnings of inputs that only shape what a model's `absent` names, and say nothing alone.
 SHAPING = (
     *("transmission_", "subsurface_", "fuzz_", "thin_", "emission_", "geometry_", "sheen_"),
     *("iridescence_", "emissive_", "anisotropy_", "attenuation_", "alpha_", "opacityMode"),
     *("specular_rotation", "coat_rotation", "thickness", "dispersion", "tangent"),
+    *("sheenTint", "subsurfaceDistance"),
     "opacityThreshold",
 )
 MOST_NAMED = 12  #: unknown inputs that are named
+MOST_PICTURES = 3  #: that one line names
+#: Inputs that a gloss meter sees, of all models.
+OF_GLOSS = frozenset(
+    (
+        *("specular", "specular_weight", "specular_roughness", "specular_ior", "specular_IOR"),
+        *("roughness", "ior", "metallic", "metalness", "base_metalness", "useSpecularWorkflow"),
+        *("coat", "coat_weight", "coat_roughness", "coat_ior", "coat_IOR", "specularColor"),
+        *("clearcoat", "clearcoat_roughness", "clearcoatRoughness"),
+    )
+)
+
+
+Described = OpenPbr | SchlickLayers
 
 
 class Model(NamedTuple):
     """A shading model."""
 
     name: str
-    make: Callable[[Values], OpenPbr]
+    make: Callable[[Values], Described]
     #: Inputs that are not carried, with their value that changes nothing, and the word for them
     absent: tuple[tuple[str, float, str], ...]
 
-    def surface(self, values: Values) -> tuple[OpenPbr, tuple[str, ...]]:
+    #: The share of light that passes through the body, and of what is scattered below the surface
+    through: str
+    below: tuple[str, str]  #: with the input of its colour
+
+    def body(self, v: Values, surface: Described) -> Described:
+        """The surface with the body that transmission and scattering below the surface leave it.
+
+        What passes through is lost, as in front of black. What is scattered below the surface
+        comes back where it went in, in its colour, weighted as both models mix them.
+        """
+        is_metal = surface.base_metalness if isinstance(surface, OpenPbr) else surface.metallic
+        if is_metal > MOSTLY:
+            return surface
+        weight, colour = self.below
+        base = np.asarray(surface.base_color)
+        if isinstance(surface, OpenPbr):
+            base = surface.base_weight * base
+        share = v.number(weight, 0.0, 0.0, 1.0) if weight else 0.0
+        if share > 0.0 and colour:
+            base = base + share * (np.asarray(v.colour(colour, WHITE)) - base)
+        through = v.number(self.through, 0.0, 0.0, 1.0) if self.through else 0.0
+        if share <= 0.0 and through <= 0.0:
+            return surface
+        red, green, blue = (float(c) for c in (1.0 - through) * base)
+        changed: dict[str, Any] = {"base_color": (red, green, blue)}
+        if isinstance(surface, OpenPbr):
+            changed["base_weight"] = 1.0
+        return dataclasses.replace(surface, **changed)
+
+    def surface(self, values: Values) -> tuple[Described, tuple[str, ...]]:
         """The surface, and a line for each thing that it does not hold."""
-        surface, lines = _drawable(self.make(values))
+        surface = self.body(values, self.make(values))
+        surface, lines = drawable(surface, _lobes(surface))
+        own = set(values.asked)
         for name, nothing, word in self.absent:
             before = set(values.unread)
             number = _first(values, name, nothing)
             if number != nothing or set(values.unread) - before:
                 values.unread.pop(name, None)
                 lines.append(f"{word} ({name})")
-        lines += [f"{name}: comes from {what}" for name, what in values.unread.items()]
+        lines += [_unread(name, what) for name, what in values.unread.items()]
+        lines += [
+            f"{name}: the mean of {_listed(pictures)} stands for it"
+            for name, pictures in values.means.items()
+            if name in own
+        ]
+        lines += [f"{name}: {how}" for name, how in values.cut.items() if name in own]
+        lines += [
+            f"the colour space {printable(name, 40)}, read as linear sRGB"
+            for name in sorted(values.nodes.spaces)
+        ]
         unknown = [name for name in values.not_asked() if not name.startswith(SHAPING)]
         lines += [
             f"{printable(name, 40)}: no input of {self.name}" for name in unknown[:MOST_NAMED]
@@ -57,24 +118,30 @@ class Model(NamedTuple):
         return surface, tuple(dict.fromkeys(lines))
 
 
-def _drawable(surface: OpenPbr) -> tuple[OpenPbr, list[str]]:
-    """The surface with lobes that can be drawn: a point lamp in a mirror has no limit image."""
-    lines: list[str] = []
-    changed: dict[str, Any] = {}
-    for name in ("specular_roughness", "coat_roughness"):
-        value = getattr(surface, name)
-        used = name.startswith("specular") or surface.coat_weight > 0.0
-        if used and value < LEAST_ROUGHNESS:
-            changed[name] = LEAST_ROUGHNESS
-            lines.append(f"{name} {value:g}: a mirror, drawn with {LEAST_ROUGHNESS:.3g}")
-    return dataclasses.replace(surface, **changed), lines
+def _unread(name: str, what: str) -> str:
+    line = f"{name}: comes from {what}; the default of {name} counts"
+    return f"{line}, so that the gloss is a guess" if name in OF_GLOSS else line
+
+
+def _listed(pictures: tuple[str, ...]) -> str:
+    more = f" and {len(pictures) - MOST_PICTURES} more" if len(pictures) > MOST_PICTURES else ""
+    return ", ".join(pictures[:MOST_PICTURES]) + more
+
+
+def _lobes(surface: Described) -> tuple[str, ...]:
+    """The names of the roughnesses that count."""
+    if isinstance(surface, OpenPbr):
+        names, coat = ("specular_roughness", "coat_roughness"), surface.coat_weight
+    else:
+        names, coat = GLTF_LOBES, surface.clearcoat
+    return names if coat > 0.0 else names[:1]
 
 
 def _first(values: Values, name: str, nothing: float) -> float:
     """The largest number of an input that counts where it differs from `nothing`."""
     if not values.has(name):
         return nothing
-    colour = values.numbers(name, (nothing,) * 3, 3, -1e6, 1e6)
+    colour = values.numbers(name, (nothing,) * 3, -1e6, 1e6)
     return max(colour, key=lambda v: abs(v - nothing))
 
 
@@ -89,85 +156,97 @@ def open_pbr(v: Values) -> OpenPbr:
         specular_weight=v.number("specular_weight", 1.0, 0.0, 100.0),
         specular_color=v.colour("specular_color", WHITE),
         specular_roughness=v.number("specular_roughness", default.specular_roughness, 0.0, 1.0),
-        specular_ior=v.number("specular_ior", default.specular_ior, *INDEX),
+        specular_ior=_index(v, "specular_ior", default.specular_ior),
         coat_weight=v.number("coat_weight", 0.0, 0.0, 1.0),
         coat_color=v.colour("coat_color", WHITE),
         coat_roughness=v.number("coat_roughness", 0.0, 0.0, 1.0),
-        coat_ior=v.number("coat_ior", default.coat_ior, *INDEX),
+        coat_ior=_index(v, "coat_ior", default.coat_ior),
         coat_darkening=v.number("coat_darkening", 1.0, 0.0, 1.0),
     )
 
 
-def standard_surface(v: Values) -> OpenPbr:
-    """Autodesk's standard surface: the lobe's weight goes on F0, as OpenPBR has it."""
-    return OpenPbr(
+def standard_surface(v: Values) -> StandardSurface:
+    """Autodesk's standard surface."""
+    default = StandardSurface()
+    return StandardSurface(
         base_weight=v.number("base", 1.0, 0.0, 1.0),
-        base_color=v.colour("base_color", (0.8, 0.8, 0.8)),
+        base_color=v.colour("base_color", default.base_color),
         base_diffuse_roughness=v.number("diffuse_roughness", 0.0, 0.0, 1.0),
         base_metalness=v.number("metalness", 0.0, 0.0, 1.0),
         specular_weight=v.number("specular", 1.0, 0.0, 1.0),
         specular_color=v.colour("specular_color", WHITE),
-        specular_roughness=v.number("specular_roughness", 0.2, 0.0, 1.0),
-        specular_ior=v.number("specular_IOR", 1.5, *INDEX),
+        specular_roughness=v.number("specular_roughness", default.specular_roughness, 0.0, 1.0),
+        specular_ior=_index(v, "specular_IOR", default.specular_ior),
         coat_weight=v.number("coat", 0.0, 0.0, 1.0),
         coat_color=v.colour("coat_color", WHITE),
-        coat_roughness=v.number("coat_roughness", 0.1, 0.0, 1.0),
-        coat_ior=v.number("coat_IOR", 1.5, *INDEX),
-        coat_darkening=0.0,
+        coat_roughness=v.number("coat_roughness", default.coat_roughness, 0.0, 1.0),
+        coat_ior=_index(v, "coat_IOR", default.coat_ior),
     )
 
 
-def gltf_pbr(v: Values) -> OpenPbr:
-    """glTF's metallic-roughness with its extensions for lobe and coat."""
-    surface = OpenPbr(
-        base_color=v.colour("base_color", WHITE),
-        base_metalness=v.number("metallic", 1.0, 0.0, 1.0),
-        specular_weight=v.number("specular", 1.0, 0.0, 1.0),
-        specular_color=v.colour("specular_color", WHITE),
-        specular_roughness=v.number("roughness", 1.0, 0.0, 1.0),
-        specular_ior=v.number("ior", 1.5, *INDEX),
-        coat_weight=v.number("clearcoat", 0.0, 0.0, 1.0),
-        coat_roughness=v.number("clearcoat_roughness", 0.0, 0.0, 1.0),
-        coat_ior=1.5,
-        coat_darkening=0.0,
+def gltf_pbr(v: Values) -> SchlickLayers:
+    """glTF's metallic-roughness with its extensions for lobe and coat, which MaterialX draws so."""
+    return SchlickLayers(
+        v.colour("base_color", WHITE),
+        v.number("metallic", 1.0, 0.0, 1.0),
+        v.number("roughness", 1.0, 0.0, 1.0),
+        _index(v, "ior", 1.5),
+        v.number("specular", 1.0, 0.0, 1.0),
+        v.colour("specular_color", WHITE, MOST_TINT),
+        v.number("clearcoat", 0.0, 0.0, 1.0),
+        v.number("clearcoat_roughness", 0.0, 0.0, 1.0),
     )
-    # A coat of the same index would take the lobe below away, which glTF's does not.
-    return _below_coat(surface)
 
 
-def usd_preview(v: Values) -> OpenPbr:
+def usd_preview(v: Values) -> SchlickLayers:
     """USD preview surface; its specular workflow gives F0 itself."""
-    metal = v.number("metallic", 0.0, 0.0, 1.0)
-    index, weight, colour = v.number("ior", 1.5, *INDEX), 1.0, WHITE
+    metal, index, tint = v.number("metallic", 0.0, 0.0, 1.0), _index(v, "ior", 1.5), WHITE
+    coat_f0 = ggx.head_on(index)
     v.asked.add("specularColor")  # it counts in one of both workflows alone
     if v.number("useSpecularWorkflow", 0.0, 0.0, 1.0) > 0.5:
-        f0 = v.colour("specularColor", (0.0, 0.0, 0.0))
-        largest = max(f0)
-        metal, weight = 0.0, 1.0 if largest > 0.0 else 0.0
-        index = max(ggx.index_of(largest), 1.0) if largest > 0.0 else 1.5
-        if largest > 0.0:
-            colour = (f0[0] / largest, f0[1] / largest, f0[2] / largest)
-    return _below_coat(
-        OpenPbr(
-            base_color=v.colour("diffuseColor", (0.18, 0.18, 0.18)),
-            base_metalness=metal,
-            specular_weight=weight,
-            specular_color=colour,
-            specular_roughness=v.number("roughness", 0.5, 0.0, 1.0),
-            specular_ior=index,
-            coat_weight=v.number("clearcoat", 0.0, 0.0, 1.0),
-            coat_roughness=v.number("clearcoatRoughness", 0.01, 0.0, 1.0),
-            coat_ior=1.5,
-            coat_darkening=0.0,
-        )
+        red, green, blue = v.colour("specularColor", (0.0, 0.0, 0.0))
+        metal, index, tint = 0.0, 1.5, (red / 0.04, green / 0.04, blue / 0.04)
+    return SchlickLayers(
+        v.colour("diffuseColor", (0.18, 0.18, 0.18)),
+        metal,
+        v.number("roughness", 0.5, 0.0, 1.0),
+        index,
+        specular_color=tint,
+        clearcoat=v.number("clearcoat", 0.0, 0.0, 1.0),
+        clearcoat_roughness=v.number("clearcoatRoughness", 0.01, 0.0, 1.0),
+        coat_f0=coat_f0,
+        is_conductor=True,
     )
 
 
-def _below_coat(surface: OpenPbr) -> OpenPbr:
-    """With the index that reflects below the coat what the model's own does in air."""
-    if surface.coat_weight == 0.0:
-        return surface
-    return dataclasses.replace(surface, specular_ior=surface.specular_ior * surface.coat_ior)
+def disney(v: Values) -> SchlickLayers:
+    """Disney's principled surface as MaterialX draws it: the lobe reflects alike at all angles."""
+    v.asked.add("ior")  # of light that passes through
+    base = v.colour("baseColor", (0.16, 0.16, 0.16))
+    share = v.number("specularTint", 0.0, 0.0, 1.0)
+    red, green, blue = (1.0 + share * (c - 1.0) for c in base)
+    return SchlickLayers(
+        base,
+        v.number("metallic", 0.0, 0.0, 1.0),
+        v.number("roughness", 0.5, 0.0, 1.0),
+        MIRROR_INDEX,
+        specular_color=(red, green, blue),
+        clearcoat=0.04 * v.number("clearcoat", 0.0, 0.0, 1.0),
+        clearcoat_roughness=1.0 - v.number("clearcoatGloss", 1.0, 0.0, 1.0),
+        lobe_weight=0.08 * v.number("specular", 0.5, 0.0, 1.0),
+        coat_f0=1.0,
+    )
+
+
+def _index(v: Values, name: str, default: float) -> float:
+    """A refractive index; 0, by which others mean no reflection, counts as 1."""
+    element = input_of(v.shader, name)
+    stated = "" if element is None or connected(element) else element.get("value", "")
+    if numbers_of(stated) == (0.0,):
+        v.asked.add(name)
+        v.cut[name] = "0, which counts as 1"
+        return 1.0
+    return v.number(name, default, *INDEX)
 
 
 _THIN = "thin film"
@@ -188,6 +267,8 @@ MODELS: dict[str, Model] = {
             ("geometry_coat_normal", 0.0, "normal map of the coat"),
             ("geometry_tangent", 0.0, "tangents"),
         ),
+        "transmission_weight",
+        ("subsurface_weight", "subsurface_color"),
     ),
     "standard_surface": Model(
         "standard surface",
@@ -206,6 +287,8 @@ MODELS: dict[str, Model] = {
             ("normal", 0.0, "normal map"),
             ("coat_normal", 0.0, "normal map of the coat"),
         ),
+        "transmission",
+        ("subsurface", "subsurface_color"),
     ),
     "gltf_pbr": Model(
         "glTF PBR",
@@ -221,6 +304,8 @@ MODELS: dict[str, Model] = {
             ("normal", 0.0, "normal map"),
             ("clearcoat_normal", 0.0, "normal map of the coat"),
         ),
+        "transmission",
+        ("", ""),
     ),
     "UsdPreviewSurface": Model(
         "USD preview surface",
@@ -232,12 +317,29 @@ MODELS: dict[str, Model] = {
             ("normal", 0.0, "normal map"),
             ("displacement", 0.0, "displacement"),
         ),
+        "",
+        ("", ""),
+    ),
+    "disney_principled": Model(
+        "Disney principled",
+        disney,
+        (
+            ("specTrans", 0.0, "transmission"),
+            ("subsurface", 0.0, "subsurface scattering"),
+            ("sheen", 0.0, "sheen"),
+            ("anisotropic", 0.0, "anisotropy"),
+        ),
+        "specTrans",
+        ("", ""),
     ),
 }
 
 
-def starting_points(surface: OpenPbr) -> dict[str, Any]:
+def starting_points(surface: Described) -> dict[str, Any]:
     """What refit_lobes starts from: colour, widths, F0 of a metal, refractive index."""
+    if isinstance(surface, SchlickLayers):
+        f0 = surface.lobe_weight * float(np.max(surface.f0))
+        return gltf_starting_points(surface) | {"index": max(1.05, ggx.index_of(f0))}
     alphas = [surface.base_alpha]
     if surface.coat_weight > 0.0:
         alphas.append(max(surface.coat_roughness**2, ggx.LEAST_ALPHA))

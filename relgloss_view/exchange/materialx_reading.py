@@ -1,8 +1,9 @@
 """MaterialX documents of other programs: their surfaces as described materials.
 
 Read are the shading models of the standard library: OpenPBR surface, Autodesk's standard surface,
-glTF PBR and USD preview surface, by constants, constant nodes and interface values. Whatever else
-an input comes from is not carried over, and is named. Nothing outside of the file is opened.
+glTF PBR and USD preview surface. Inputs are followed through node graphs as far as these come to
+one value, with the means of pictures; what else an input comes from is not carried over, and is
+named. Only pictures are opened beside the file, in its own folder and below.
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ from relgloss_view.base.reading import named, printable
 from relgloss_view.base.xml import line_of, read_xml
 from relgloss_view.exchange import materialx_models as models
 from relgloss_view.exchange.materialx import OWN_DIGEST, OWN_MATERIAL
-from relgloss_view.exchange.materialx_values import Values, input_of
+from relgloss_view.exchange.materialx_nodes import input_of
+from relgloss_view.exchange.materialx_values import Values
 from relgloss_view.exchange.own import own_material
 from relgloss_view.exchange.refit_lobes import refit_lobes
 from relgloss_view.material.material import Material
@@ -41,7 +43,7 @@ def read(path: Path, part: str | None) -> Material:
     shader = _shader(path, root, material)
     name = material.get("name", "material")
     place = f"{named(path)}: {printable(name, 60)}"
-    values = Values.of(root, shader, place)
+    values = Values.of(root, shader, place, path.parent)
     stated = values.stated()
     own = own_material(material.get(OWN_MATERIAL), material.get(OWN_DIGEST), stated)
     if own is not None:

@@ -73,16 +73,16 @@ class OpenPbr:
         specular = np.zeros((*t.mu_i.shape, 3))
         alpha = self.base_alpha
         if metal < 1.0:
-            top, passed = _dielectric(t, alpha, self.base_index)
+            top, passed = dielectric(t, alpha, self.base_index, self.lobe_weight)
             specular += (1.0 - metal) * top[..., None] * np.asarray(self.specular_color)
             diffuse += (1.0 - metal) * passed[..., None] * self._body(i, o)
         if metal > 0.0:
-            specular += metal * self.specular_weight * self._metal(t, alpha)
+            specular += metal * self._metal(t, alpha)
         below = self._darkening() * self._tint()
         diffuse, specular = diffuse * below, specular * below
         if self.coat_weight > 0.0:
             coat_alpha = max(self.coat_roughness**2, ggx.LEAST_ALPHA)
-            top, passed = _dielectric(t, coat_alpha, self.coat_ior, self.coat_weight)
+            top, passed = dielectric(t, coat_alpha, self.coat_ior, self.coat_weight)
             diffuse = diffuse * passed[..., None]
             specular = specular * passed[..., None] + top[..., None]
         above = t.above[..., None]
@@ -108,6 +108,11 @@ class OpenPbr:
         )
         return (1.0 + epsilon) / (1.0 - epsilon)
 
+    @property
+    def lobe_weight(self) -> float:
+        """Of the base's dielectric lobe, beside its index, which holds the specular weight."""
+        return 1.0
+
     def _body(self, i: Array, o: Array) -> Array:
         normal = np.broadcast_to(np.array([0.0, 0.0, 1.0]), np.broadcast_shapes(i.shape, o.shape))
         zeros = np.zeros(normal.shape[:-1])
@@ -129,9 +134,8 @@ class OpenPbr:
         fresnel = f0 + (1.0 - f0) * (1.0 - x) ** 5 - lack * x * (1.0 - x) ** 6
         single = ggx.density(t.cos_h, alpha) * ggx.shadowing(t, alpha)
         whole = albedo(t.mu_o, alpha, 1.0)
-        return np.asarray(
-            single[..., None] * fresnel * (1.0 + fresnel * ((1.0 - whole) / whole)[..., None])
-        )
+        more = 1.0 + fresnel * ((1.0 - whole) / whole)[..., None]
+        return np.asarray(self.specular_weight * single[..., None] * fresnel * more)
 
     def _darkening(self) -> Array:
         """What the coat's inner reflections take from the base (OpenPBR 1.1, coat darkening)."""
@@ -171,9 +175,7 @@ def albedo(mu_o: Array, alpha: float, f0: float, f90: float = 1.0) -> Array:
     return np.asarray(f0 * first + f90 * second)
 
 
-def _dielectric(
-    t: ggx.Turn, alpha: float, index: float, weight: float = 1.0
-) -> tuple[Array, Array]:
+def dielectric(t: ggx.Turn, alpha: float, index: float, weight: float = 1.0) -> tuple[Array, Array]:
     """The lobe of a dielectric layer, 1/sr, and the share of light that it leaves to what is below.
 
     Both as MaterialX 1.39's mx_dielectric_bsdf.

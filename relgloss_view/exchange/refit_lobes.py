@@ -25,6 +25,9 @@ from relgloss_view.measure.bands import RGB
 
 S_PER_ALPHA = 1.0 / ggx.ALPHA_PER_S
 LARGEST_STRENGTH = 30.0
+#: Most of a body where a description has none, or alpha where that is more: what the tails of GGX
+#: look like far from the mirror direction.
+NO_BODY = 0.05
 #: Least width of a lobe over the narrowest that is stated. The core of GGX is as wide as a Gaussian
 #: of alpha / 2, which is 0.6 of S_PER_ALPHA: what is narrower is in no description. A picture under
 #: a lamp without extent and gloss meters hardly see such a spike, but distinctness of image does.
@@ -87,8 +90,10 @@ def _families(
     low: float = S_DEG_DRAWN,
 ) -> tuple[Family, ...]:
     high = S_DEG_MAX
+    # A metal has no body. Without this bound a mirror's search can end at a gray one.
+    tails = max(NO_BODY, math.radians(max(widths)) / S_PER_ALPHA)
     body = (
-        *(Unknown(min(max(v, 0.005), 0.99), 0.0, 1.0) for v in colour),
+        *(Unknown(min(max(v, 0.005), 0.99), 0.0, 1.0 if v > 0.0 else tails) for v in colour),
         Unknown(5.0, 0.0, SIGMA_DEG_MAX),
     )
     main = Unknown(math.log(widths[0]), math.log(low), math.log(high))
@@ -116,6 +121,15 @@ def _families(
                 lobes.append(Lobe((float(x[k + 1]),), s_deg, f0=metal))
         return Material(name, source, RGB, diffuse, tuple(lobes))
 
+    def whiter(x: Array) -> Material:
+        """Two metal lobes between the stated colour and white, as a coat reflects that is white."""
+        made = make(x[:-2])
+        lobes = tuple(
+            Lobe(lobe.strength, lobe.s_deg, f0=tuple(v + float(t) * (1.0 - v) for v in metal))
+            for lobe, t in zip(made.specular, x[-2:], strict=True)
+        )
+        return Material(name, source, RGB, made.diffuse, lobes)
+
     def as_stated(x: Array) -> Material:
         """With the widths that the surface states: those of a mirror cannot be searched for."""
         count = len(body) + len(own)
@@ -124,10 +138,17 @@ def _families(
 
     one = (*body, *own, main, strength)
     strengths = [strength for _ in widths]
+    share = Unknown(0.0, 0.0, 1.0)
+    coated = (
+        (Family("two lobes, one whiter", (*one, wide, weak, share, share), whiter),)
+        if f0 is not None and len(widths) > 1
+        else ()
+    )
     return (
         Family("one lobe", one, make),
         Family("two lobes", (*one, wide, weak), make),
         Family("lobes of the stated widths", (*body, *own, *strengths), as_stated),
+        *coated,
     )
 
 

@@ -20,7 +20,8 @@ import pytest
 from catalogue_clusters import ENDED_S, HERE, ROOT, results, wait_until, workers_of
 
 from relgloss_view.base.errors import GLUnavailableError, InputError
-from relgloss_view.catalogue import cluster, cluster_evidence, cluster_processes
+from relgloss_view.catalogue import cluster, cluster_evidence, cluster_processes, one_thread
+from relgloss_view.catalogue.cluster_batches import MOST, Batches
 from relgloss_view.catalogue.cluster_worker import Program, Refused, perform, this_program
 from relgloss_view.catalogue.engine import EngineOptions, Lost, Task
 from relgloss_view.catalogue.one_thread import thread_counts
@@ -67,6 +68,43 @@ def test_processes_give_what_the_loop_gives(tmp_path, monkeypatch):
     assert listening == {"127.0.0.1"}
     assert not workers_of(os.getpid())
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_batch_ends_at_its_time_and_before_a_fault():
+    """What was not begun travels again; what is done is kept."""
+    ours = this_program()
+    slow = work.tasks_of(work.slow_square, range(8), 0.02)
+    performed = perform(tuple(slow), ours, 0.01)
+    assert performed.results == (work.square(0),)
+    assert len(performed.seconds) == 1
+    wrong = work.tasks_of(work.wrong, [3])
+    performed = perform((*slow[:2], *wrong, *slow[2:]), ours, 60.0)
+    assert performed.results == (work.square(0), work.square(1))
+    with pytest.raises(ZeroDivisionError, match="task 3"):
+        perform((*wrong, *slow), ours, 60.0)
+
+
+def test_cheap_tasks_travel_together_and_costly_ones_alone():
+    """By the measured time of their sort; one of an unknown sort is alone."""
+    cheap = [Task(f"c{n}", "", work.square, (n,), "cheap") for n in range(40)]
+    costly = [Task(f"x{n}", "", work.square, (n,), "costly") for n in range(3)]
+    batches = Batches([*cheap[:20], *costly, *cheap[20:]])
+    assert batches.next() == (cheap[0],)
+    assert batches.next() == (cheap[1],)
+    for took_s in (0.9, 0.05, 0.05):  # the first of a process loads what the others find
+        batches.note(cheap[0], took_s)
+    assert batches.next() == tuple(cheap[2:7])
+    batches.put_back(cheap[5:7])
+    batches.note(costly[0], 0.3)
+    sizes = []
+    order = [*cheap[:5]]
+    while batch := batches.next():
+        sizes.append(len(batch))
+        order += batch
+        assert len({task.sort for task in batch}) == 1
+        assert len(batch) <= (MOST if batch[0].sort == "cheap" else 1)
+    assert max(sizes) == 5
+    assert order == [*cheap[:20], *costly, *cheap[20:]]
 
 
 @pytest.fixture
@@ -236,10 +274,22 @@ def test_a_worker_that_cannot_draw_ends_the_run():
         by_one(tasks)
 
 
-def test_linear_algebra_has_one_thread_in_every_engine():
-    """Here as well, though it was loaded with as many as there are processors; as before after."""
+@pytest.fixture
+def two_threads(monkeypatch):
+    """Linear algebra as a user's process loads it, here and in what it starts."""
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2")
+    before = thread_counts()
+    for _, write in one_thread._libraries():
+        write(2)
+    yield
+    for (_, write), count in zip(one_thread._libraries(), before, strict=True):
+        write(count)
+
+
+def test_linear_algebra_has_one_thread_in_every_engine(two_threads):
+    """Here as well, though it was loaded with several; as before after."""
     loaded = thread_counts()
-    assert loaded, "the wheels of numpy and scipy bring OpenBLAS"
+    assert set(loaded) == {2}, "the wheels of numpy and scipy bring OpenBLAS"
     tasks = work.tasks_of(work.blas_threads, range(4))
     loop, processes = results(tasks, EngineOptions(workers=1)), by_one(tasks)
     assert loop == processes

@@ -165,6 +165,17 @@ PHRASES = {
     "(haze < 3 or haze > 9) and failed": All(
         (Any((below("haze", 3.0), above("haze", 9.0))), TextTest("status", IS, "failed"))
     ),
+    # East Asian digits and signs, other signs for ranges, and what SQL has
+    "gloss 60 \uff1e \uff14\uff10\uff0e\uff15": above("gloss_60", 40.5),
+    "gloss 60 40..50": Range("gloss_60", 40.0, 50.0),
+    "gloss 60 40 \u2014 50": Range("gloss_60", 40.0, 50.0),
+    "gloss 60 between 40 & 50": Range("gloss_60", 40.0, 50.0),
+    "gloss 60 \u2248 45": Near("gloss_60", 45.0),
+    "gloss 60 is not null": Present("gloss_60", True),
+    "name like %varnish%": TextTest("name", CONTAINS, "varnish"),
+    "no fault": Present("fault", False),
+    "colour within dE 3 of 50;20;10": ColourNear((50.0, 20.0, 10.0), 3.0),
+    'name is "\u767d\uff08\uff13\uff09"': TextTest("name", IS, "\u767d\uff083\uff09"),
     "haze < 3, failed": All((below("haze", 3.0), TextTest("status", IS, "failed"))),
 }  # fmt: skip
 
@@ -243,7 +254,7 @@ FAULTS = [
     ("gloss 60 > 3)", (12, 13), "not opened"),
     ("gloss 60 > 3 xor haze < 3", (13, 16), "did you mean or?"),
     ("gloss 60 > 3 and", (16, 16), "has to follow"),
-    ("and gloss 60 > 3", (0, 3), "not a known word here"),
+    ("and gloss 60 > 3", (0, 3), "it joins two conditions"),
     ("not nearest to art-coated", (0, 25), "only ranks"),
     ("haze < 3 or as glossy as X", (0, 26), "within 5 %"),
     ("nearest to 50 20 10", (11, 19), "nearest colour to"),
@@ -265,6 +276,7 @@ FAULTS = [
     ("first 2.5", (6, 9), "whole number"),
     ("\u2028name", (1, 5), "contains"),
     ("varnish", (0, 7), "write name contains varnish"),
+    ("name like %", (10, 11), "write name known"),
 ]  # fmt: skip
 
 

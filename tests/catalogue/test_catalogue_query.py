@@ -318,3 +318,17 @@ class TestAnswers:
         assert len(search(catalogue, "first 2", 1).hits) == 1
         assert len(search(catalogue, "first 1", 2).hits) == 1
         assert len(search(catalogue, "", None).hits) == 3
+
+
+def test_a_number_that_is_shown_rounded_has_a_note():
+    """Else "gloss 60 is 45.3" finds nothing of what the table shows as 45.3, in silence."""
+    rows = [{"path": "a.csv", "status": "done", "gloss_60": 45.312, "lobes": 2}]
+    searcher = Searcher(MemoryCatalogue(rows))
+    found = searcher.search("gloss 60 is 45.3")
+    assert (found.total, found.notes[0]) == (
+        0,
+        "Only gloss 60 of exactly 45.3 counts: about 45.3 within 0.05 allows for rounding.",
+    )
+    assert searcher.search("gloss 60 about 45.3 within 0.05").total == 1
+    assert "within 0.5" in searcher.search("gloss 60 = 45").notes[0]
+    assert searcher.search("lobes is 2").notes == ()

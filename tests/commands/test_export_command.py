@@ -55,3 +55,37 @@ def test_another_file_is_no_description(tmp_path, capsys):
     (tmp_path / "a.mtlx").write_text("hello")
     assert main(["import", str(tmp_path / "a.mtlx"), "-o", str(tmp_path / "a.json")]) == 1
     assert "expected a material of MaterialX" in capsys.readouterr().err
+
+
+def test_no_file_that_is_read_is_replaced(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    grid = "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg\n20,0,20,180\n"
+    (tmp_path / "grid.csv").write_text(grid)
+    (tmp_path / "glass.json").write_text('{"asset": {"version": "2.0"}, "materials": [{}]}')
+    (tmp_path / "other.csv").symlink_to("grid.csv")
+    for words in (
+        ["import", "glass.json", "-o", "./glass.json"],
+        ["export", "kraft", "--grid", "grid.csv", "-o", "other.csv"],
+    ):
+        before = (tmp_path / words[-1]).read_text()
+        assert main(words) == 1
+        assert "this is the file that is read" in capsys.readouterr().err
+        assert (tmp_path / words[-1]).read_text() == before
+
+
+def test_a_material_file_ends_in_json(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.gltf").write_text('{"asset": {"version": "2.0"}, "materials": [{}]}')
+    assert main(["import", "a.gltf", "-o", "a.glb"]) == 1
+    assert "expected a name that ends in .json" in capsys.readouterr().err
+    assert not (tmp_path / "a.glb").exists()
+
+
+def test_options_of_other_formats_are_named(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "grid.csv").write_text("theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg\n20,0,20,180\n")
+    words = ["export", "kraft", "--grid", "grid.csv", "--basis", "klems", "-o", "k.csv"]
+    assert main(words) == 0
+    error = capsys.readouterr().err
+    assert "--basis changes nothing in a file of CSV" in error
+    assert "--grid" not in error

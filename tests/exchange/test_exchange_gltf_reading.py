@@ -184,19 +184,55 @@ def test_means_of_textures_are_means_of_light():
 
 
 def test_what_is_not_carried_is_named():
-    names = [
-        "transmission", "volume", "sheen", "anisotropy", "iridescence", "emissive_strength",
-    ]  # fmt: skip
+    factors = {
+        "transmission": {"transmissionFactor": 0.5},
+        "volume": {"thicknessFactor": 0.1},
+        "sheen": {"sheenColorFactor": [0.0, 0.0, 0.1]},
+        "anisotropy": {"anisotropyStrength": 0.3},
+        "iridescence": {"iridescenceFactor": 1.0},
+        "emissive_strength": {"emissiveStrength": 2.0},
+    }
     entry = {
-        "extensions": {f"KHR_materials_{name}": {} for name in names} | {"ACME_glitter": {}},
+        "extensions": {f"KHR_materials_{name}": part for name, part in factors.items()}
+        | {"ACME_glitter": {}},
+        "emissiveFactor": [0.1, 0.0, 0.0],
         "normalTexture": {"index": 0},
         "occlusionTexture": {"index": 0},
         "alphaMode": "BLEND",
     }
     _, lines = surface(entry)
-    assert len(lines) == len(names) + 4
-    for word in (*names[:-1], "ACME_glitter", "normalTexture", "occlusionTexture", "alphaMode"):
+    assert len(lines) == len(factors) + 5
+    for word in (*list(factors)[:-1], "ACME_glitter", "normalTexture", "occlusion", "alphaMode"):
         assert any(word in line for line in lines), word
+    # Extensions whose factors are 0, their default, change nothing, and are not named.
+    entry = {"extensions": {f"KHR_materials_{name}": {} for name in factors}}
+    assert surface(entry)[1] == []
+
+
+def test_a_picture_of_another_kind_leaves_the_gloss_a_guess(tmp_path):
+    Image.new("RGB", (2, 2), (0, 51, 0)).save(tmp_path / "rough.webp", lossless=True)
+    entry = {"pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}}}
+    for extension, expected in (
+        ("EXT_texture_webp", "its mean stands"),
+        ("KHR_texture_basisu", "guess"),
+    ):
+        content = {
+            "asset": {"version": "2.0"},
+            "materials": [entry],
+            "textures": [{"extensions": {extension: {"source": 0}}}],
+            "images": [{"uri": "rough.webp"}],
+        }
+        theirs = GltfMaterial(Document(Source(content, tmp_path, None)), entry)
+        rough = theirs.surface().roughness
+        assert expected in theirs.lines[0]
+        assert rough == pytest.approx(0.2 if "webp" in extension else 1.0)
+
+
+def test_light_that_passes_through_is_no_colour_of_the_body():
+    entry = {"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.75}}}
+    entry["pbrMetallicRoughness"] = {"metallicFactor": 0.0}
+    theirs = GltfMaterial(Document(Source({}, None, None)), entry)
+    assert theirs.seen_through(theirs.surface()).base_color == (0.25, 0.25, 0.25)
 
 
 def test_pictures_beside_the_file_are_read_and_none_elsewhere(tmp_path):

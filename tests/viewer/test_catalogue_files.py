@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 import io
+import json
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -18,7 +22,10 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.catalogue.query.search import Searcher
 from relgloss_view.viewer.drawing import thumbnails
 from relgloss_view.viewer.files import catalogue_files
+from relgloss_view.viewer.files.background import Outcome
+from relgloss_view.viewer.files.exact_search import ExactSearch
 from relgloss_view.viewer.files.open_job import OpenJob
+from relgloss_view.viewer.shell import catalogue_actions
 from relgloss_view.viewer.shell.catalogue_actions import CatalogueActions
 from relgloss_view.viewer.state import catalogues
 from relgloss_view.viewer.state.catalogues import Asked, OpenCatalogue
@@ -154,11 +161,12 @@ def settled(actions):
 
 @pytest.fixture
 def actions(tmp_path):
-    made = CatalogueActions(
-        Model(State.initial()), lambda *given: asked.append(given), lambda: None
-    )
     asked: list = []
-    made.asked_for = asked
+    proofs: list = []
+    made = CatalogueActions(
+        Model(State.initial()), lambda *given: asked.append(given), proofs.append, lambda: None
+    )
+    made.asked_for, made.proofs = asked, proofs
     made.take(open_of(tmp_path / "stock"))
     settled(made)
     return made
@@ -207,6 +215,161 @@ def test_an_item_becomes_a_sample_by_its_material_file(actions):
     ((file, side, finish),) = actions.asked_for
     assert Path(file) == actions.material_file(hit)
     assert (side, finish) == ("reference", "")
+
+
+def test_a_proof_is_asked_for_with_the_reference_of_the_search(actions):
+    hit = actions.found.hits[0]
+    actions.write_proof(hit)
+    actions.write_proof(next(h for h in actions.found.hits if h.row["status"] == "failed"))
+    text = "looks 0.9 x as glossy as matte-coated at 60 degrees"
+    found = settled_on(actions, text)
+    (hit,) = (one for one in found.hits if one.path == hit.path)
+    actions.write_proof(hit)
+    first, second = actions.proofs  # a failed item has none
+    assert first.name == second.name == hit.name
+    assert "the catalogue's reference, cast-coated" in first.words
+    assert "the reference of your search, built-in matte-coated" in second.words
+    assert first.note == ""
+    assert second.note == f"Hit {hit.rank} of the query: {text}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", ["gloss 60 > 89.9", "nearest to mill-0/sheet-00000.csv first 1"])
+def test_a_proof_of_an_item_is_that_of_the_command(text, actions, tmp_path):
+    from relgloss_view.catalogue.proofs import write_proofs
+    from relgloss_view.proof.read import read_proof
+    from relgloss_view.quality.backends import open_renderer
+    from relgloss_view.viewer.files.proof_writing import ProofRequest, written
+
+    found = settled_on(actions, text)
+    (hit,) = found.hits
+    actions.write_proof(hit)
+    (pair,) = actions.proofs
+    file = str(tmp_path / "own.html")
+    written(ProofRequest(file, State.initial(), pair.note, title=pair.name, make=pair.make))
+    with open_renderer("auto") as renderer:
+        (made,) = write_proofs(found, actions.opened.catalogue, tmp_path, renderer)
+    own, theirs = read_proof(file), read_proof(tmp_path / made.file)
+    for part in ("title", "names", "pictures", "meter", "grid", "display"):
+        assert own.content[part] == theirs.content[part]
+    mine, other = own.messages[0], theirs.messages[0]
+    assert mine.note == other.note
+    assert (mine.settings.test, mine.settings.reference) == (
+        other.settings.test, other.settings.reference
+    )  # fmt: skip
+    assert mine.settings.reference.c > 0.0
+    # The control: the window's own pair has other pictures.
+    written(ProofRequest(file, State.initial(), title=pair.name))
+    assert read_proof(file).content["pictures"] != theirs.content["pictures"]
+
+
+class FakeDrawing:
+    """An exact search that turns the order of thumbnails round when it is let go."""
+
+    made: ClassVar[list[FakeDrawing]] = []
+
+    def __init__(self, opened, query):
+        self.query, self.go, self.stopped = query, threading.Event(), False
+        self.made.append(self)
+
+    def run(self, preliminary, progress):
+        assert self.go.wait(LIMIT_S)
+        return dataclasses.replace(preliminary, hits=preliminary.hits[::-1], is_exact=True)
+
+    def stop(self):
+        self.stopped = True
+        self.go.set()
+
+
+@pytest.fixture
+def drawings(monkeypatch):
+    monkeypatch.setattr(catalogue_actions, "ExactSearch", FakeDrawing)
+    monkeypatch.setattr(FakeDrawing, "made", [])
+    return FakeDrawing.made
+
+
+def refined(actions):
+    until_s = time.monotonic() + LIMIT_S
+    while not actions._refine._ended and time.monotonic() < until_s:
+        time.sleep(0.005)
+    actions.each_frame()
+
+
+NEAREST = "nearest to mill-0/sheet-00000.csv"
+
+
+def test_the_order_of_thumbnails_is_preliminary_until_pictures_are_drawn(actions, drawings):
+    settled_on(actions, "gloss 60 > 80")
+    assert not drawings  # no picture is compared
+    first = settled_on(actions, NEAREST)
+    (drawing,) = drawings
+    assert drawing.query == NEAREST
+    assert actions.refining
+    assert not first.is_exact
+    drawing.go.set()
+    actions.held = True  # a menu is open on a tile
+    refined(actions)
+    assert actions.found is first
+    actions.each_frame()
+    assert actions.found.is_exact
+    assert actions.found.hits == first.hits[::-1]
+    assert not actions.refining
+
+
+def test_another_query_ends_the_drawing_of_the_last(actions, drawings):
+    settled_on(actions, NEAREST)
+    other = settled_on(actions, "gloss 60 > 80")
+    (drawing,) = drawings
+    assert drawing.stopped
+    assert not actions.refining
+    actions.each_frame()
+    assert actions.found is other
+    settled_on(actions, NEAREST)
+    actions.close()
+    assert drawings[1].stopped
+
+
+def test_where_no_picture_can_be_drawn_the_order_stays_with_one_line(actions, drawings):
+    first = settled_on(actions, NEAREST)
+    drawings[0].run = None  # the control below would be met by a result, too
+    actions._refine._ended.append(Outcome(None, None, "no OpenGL"))
+    actions.each_frame()
+    assert actions.found is first
+    assert not actions.refining
+    assert [note.text for note in actions.model.notes if note.fault] == ["no OpenGL"]
+
+
+@pytest.mark.slow
+def test_the_exact_order_is_that_of_the_command(tmp_path):
+    from relgloss_view.material.files import save_material
+    from relgloss_view.picture.scene.sample import SAMPLES, load_sample
+
+    (tmp_path / "tree").mkdir()
+    for name in SAMPLES:
+        for k in range(4):
+            sample = load_sample(name)
+            lobes = [
+                dataclasses.replace(lobe, s_deg=lobe.s_deg * (1 - 0.1 * k))
+                for lobe in sample.specular
+            ]
+            material = dataclasses.replace(sample, name=f"{name} {k}", specular=tuple(lobes))
+            save_material(material, tmp_path / "tree" / f"{name}-{k}.json")
+    command = [sys.executable, "-m", "relgloss_view.cli", "catalogue"]
+    stock, query = str(tmp_path / "stock"), "nearest to matte-coated"
+    subprocess.run([*command, "build", str(tmp_path / "tree"), "-o", stock], check=True)
+    words = [*command, "search", stock, query, "--limit", "0", "--json"]
+    printed = subprocess.run(words, check=True, capture_output=True, text=True).stdout
+    hits = json.loads(printed)["hits"]
+    opened = catalogue_files.opened_catalogue(stock)
+    first = catalogues.searched(opened, Asked(query))
+    found = ExactSearch(opened, query).run(first, lambda share, text: None)
+    assert [hit.path for hit in found.hits] == [hit["path"] for hit in hits]
+    assert [dict(hit.numbers) for hit in found.hits] == [hit["numbers"] for hit in hits]
+    # The control: thumbnails know only one of the numbers.
+    assert [dict(hit.numbers) for hit in first.hits] != [hit["numbers"] for hit in hits]
+    old = dataclasses.replace(opened, stamp=(0, 0))
+    with pytest.raises(InputError, match="was built again; Reload it"):
+        ExactSearch(old, query).run(first, lambda share, text: None)
 
 
 # --- pictures -------------------------------------------------------------------------------------
@@ -297,8 +460,6 @@ def test_a_tooltip_has_every_reading_with_its_error_and_every_warning(actions):
 
 def test_an_error_is_never_shown_as_nothing(actions):
     """A fit of clean data has an error of 0.004 GU, and "± 0.0" would be a claim."""
-    import dataclasses
-
     hit = next(h for h in actions.found.hits if h.row["quality"] == "good")
     small = dataclasses.replace(
         hit, row={**hit.row, "gloss_60": 22.4, "gloss_60_se": 0.004, "distinctness_se": 1e-5}
@@ -308,17 +469,18 @@ def test_an_error_is_never_shown_as_nothing(actions):
     assert "± 0.0" not in text.replace("± 0.001", "").replace("± 0.01", "")
 
 
-def test_one_item_lacks_and_two_lack(actions):
-    import dataclasses
+def test_the_report_counts_what_failed(actions):
+    failed = sum(made_catalogue.is_failed(k) for k in range(COUNT))
+    assert actions.model.notes[-1].text.endswith(f": {COUNT} items, {failed} failed")
 
+
+def test_one_item_lacks_and_two_lack(actions):
     for left_out, words in ((1, "; 1 lacks a value"), (2, "; 2 lack a value")):
         found = dataclasses.replace(actions.found, left_out=left_out)
         assert words in catalogues.found_words(found, actions.opened)
 
 
 def test_words_of_a_hostile_name_are_one_line(actions):
-    import dataclasses
-
     hit = actions.found.hits[0]
     row = dict(hit.row, name="a\nb\x1b[31m##c%s", source="x" * 10_000)
     hostile = dataclasses.replace(hit, row=row)
@@ -327,7 +489,7 @@ def test_words_of_a_hostile_name_are_one_line(actions):
     assert len(catalogues.tooltip_of(hostile, actions.found)) < 1500
 
 
-def test_the_line_under_a_name_has_what_was_asked_for(actions):
+def test_the_line_under_a_name_has_what_was_asked_for(actions, drawings):
     actions.ask("gloss 20 > 1 and looks 0.9 x as glossy as mill-0/sheet-00000.csv at 60 degrees")
     settled(actions)
     hit = actions.found.hits[0]
@@ -336,7 +498,11 @@ def test_the_line_under_a_name_has_what_was_asked_for(actions):
     failed = catalogues.numbers_of(
         next(h for h in settled_on(actions, "failed").hits), actions.found
     )
-    assert failed == "failed"
+    assert failed == "line 3: not a number"
+    near = settled_on(actions, NEAREST).hits[1]
+    assert "dE about" in catalogues.numbers_of(near, actions.found)
+    exact = dataclasses.replace(near, numbers={**near.numbers, "picture_mean": 1.0})
+    assert "about" not in catalogues.numbers_of(exact, actions.found)
 
 
 def settled_on(actions, text):

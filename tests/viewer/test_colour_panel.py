@@ -34,7 +34,7 @@ def colours_change_the_picture(hand, found):
     fields = colour_fields._memory.of(model)
     found["own"] = list(fields["test"].lab)
     hand.until(lambda: not model.dragging)
-    hand.until(lambda: not hand.app._warming_waits)
+    hand.until(lambda: not hand.app.hold.rest_awaited)
     hand.frames(20)
     compiled = hand.app.pair_renderer.compiled
     for lightness in (30.0, 35.0, 40.0):

@@ -159,7 +159,7 @@ def main(guarded):
             pass
 
     if not guarded:
-        window.listen = lambda handle, address: None
+        window.keyboard.listen = lambda handle, address: None
     window.Window(Slow(), (200, 100)).run()
 
 

@@ -18,7 +18,7 @@ def readings_are_typed(hand, found):
     before = model.state
     hand.key(imgui.Key.mod_ctrl.value + imgui.Key.n.value)
     hand.until(lambda: making.active)
-    hand.until(lambda: not app._warming_waits)
+    hand.until(lambda: not app.hold.rest_awaited)
     hand.frames(30)
     compiled = app.pair_renderer.compiled
     hand.ctx.key_chars("12")  # the first field has the keyboard

@@ -19,6 +19,7 @@ from relgloss_view.picture.scene.look import Look
 from relgloss_view.picture.scene.setup import Eye, Lamp
 from relgloss_view.viewer.panels import display, scene
 from relgloss_view.viewer.shell.widgets import label_of
+from relgloss_view.viewer.state import model as state_of
 from relgloss_view.viewer.state.matching import share_of_match
 from relgloss_view.viewer.state.state import COMPARE_MODES, Presentation
 
@@ -206,7 +207,9 @@ def draws_only_what_changed(hand, found):
     for side in ("reference", "test"):  # quality auto may draw other stages after any change
         model.set_look(side, quality="exact")
     hand.frames(8)
-    hand.until(lambda: not hand.app._warming_waits)  # the hand has rested: programs are warmed up
+    hand.until(
+        lambda: not hand.app.hold.rest_awaited
+    )  # the hand has rested: programs are warmed up
     hand.frames(20)
     compiled = hand.app.pair_renderer.compiled
     for name, change in (
@@ -242,10 +245,11 @@ def draws_no_more_than_needed(hand, found):
     model.set_look("test", quality="auto", sigma_n_deg=1.0)
     hand.frames(6)
     found["auto"] = methods()
-    hand.until(lambda: not hand.app._warming_waits)  # programs are warmed up before a drag
+    hand.until(lambda: not hand.app.hold.rest_awaited)  # programs are warmed up before a drag
     hand.frames(20)
     compiled = hand.app.pair_renderer.compiled
     found["moved"] = []
+    usual, state_of.HOLD_S = state_of.HOLD_S, driven.NEVER_S  # a busy machine pauses in the drag
     for k in range(12):
         model.hold()
         model.set_part("lamp", azimuth_deg=50.0 + 5.0 * k)
@@ -253,6 +257,8 @@ def draws_no_more_than_needed(hand, found):
         found["moved"].append(methods()["test"])
         time.sleep(0.03)
     found["compiled in the drag"] = hand.app.pair_renderer.compiled - compiled
+    state_of.HOLD_S = usual
+    model.hold()
     hand.until(lambda: not model.dragging)
     hand.frames(6)
     found["rested"] = methods()["test"]

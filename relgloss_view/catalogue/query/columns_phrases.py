@@ -40,16 +40,16 @@ BELOW = (
 )  # fmt: skip
 AT_MOST = ("at most", "not above", "not more than", "up to", "<=", "\u2264", "max", "maximum")
 UNEQUAL, EQUAL = ("!=", "<>", "\u2260", "is not"), ("==", "=", "equals", "equal to", "exactly")
-ABOUT = ("about", "around", "near", "close to", "nearest to", "approximately", "~")
+ABOUT = ("about", "around", "near", "close to", "nearest to", "approximately", "~", "\u2248")
 PLUS_MINUS = ("within", "+-", "+/-", "\u00b1", "tolerance")
-MISSING = ("missing", "unknown", "empty", "not known")
-PRESENT = ("known", "present", "not missing", "not empty", "available")
+MISSING = ("missing", "unknown", "empty", "not known", "null")
+PRESENT = ("known", "present", "not missing", "not empty", "available", "not null")
 UNIT = re.compile(
     r"(?P<GU>GU\b|gloss units?\b|units?\b)|(?P<degrees>\u00b0|deg(?:rees?)?\b)|(?P<bytes>bytes\b)"
     r"|(?P<percent>%)",
     re.I,
 )
-TO = re.compile(r"(?:-|\u2013|\.\.\.?|to\b)\s*(?=[0-9.+-])", re.I)
+TO = re.compile(r"(?:-|\u2013|\u2014|\u2212|\.\.\.?|to\b)\s*(?=[0-9.+-])", re.I)
 GLOSS = re.compile(r"(?:specular\s+|paper\s+)?gloss(?!\w)", re.I)
 GLOSS_NUMBER = re.compile(r"gloss[\s_-]{0,3}(?:at\s{0,3})?(?P<angle>[0-9.]+)", re.I)
 BARE = ("name", "path", "source")  #: columns whose text may follow without "contains"
@@ -80,6 +80,8 @@ def alone(scanner: Scanner) -> Condition | None:
         return TextTest("path", WITHIN, scanner.value("the name of a folder")[0])
     if scanner.word("no warnings", "no warning", "without warnings", "without warning"):
         return Present("warnings", False)
+    if scanner.word("no fault", "no faults", "without fault", "without faults"):
+        return Present("fault", False)
     if scanner.word("with warnings", "has warnings", "warned"):
         return Present("warnings", True)
     if scanner.word(*RATIO_NOT_KEPT):
@@ -157,7 +159,7 @@ def _number(scanner: Scanner, name: str, start: int) -> Condition:
     negated = scanner.word("not between") is not None
     if negated or scanner.word("between"):
         low = _value(scanner, name)
-        if not scanner.word("and", "to", "-", "\u2013", "..."):
+        if not scanner.word("and", "&", "to", "-", "\u2013", "\u2014", "...", ".."):
             raise scanner.fault("expected 'and'", f"write {label_of(name)} between 40 and 50")
         made: Condition = _range(name, low, _value(scanner, name))
         return Not(made) if negated else made
@@ -237,6 +239,12 @@ def _text(scanner: Scanner, name: str, start: int) -> Condition:
     ):
         if words and scanner.word(*words):
             return TextTest(name, how, scanner.value(f"a text that {label_of(name)} {how}")[0])
+    if name in BARE and scanner.word("like", "matches"):  # as SQL has it
+        at = scanner.skip()
+        text = scanner.value(f"a text that {label_of(name)} {CONTAINS}")[0].strip("%*")
+        if not text:
+            raise scanner.fault("any text is like this", f"write {label_of(name)} known", at)
+        return TextTest(name, CONTAINS, text)
     if name == "path" and scanner.word("in", "under", "is in"):
         return TextTest(name, WITHIN, scanner.value("the name of a folder")[0])
     if name == "marks" and scanner.word("as"):

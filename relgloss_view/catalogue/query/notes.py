@@ -18,6 +18,16 @@ def reading_note(words: str, value: float, column: str) -> str:
     return f"The reference is {words}; its {label_of(column)} is {number}."
 
 
+def exact_note(column: str, value: float) -> str:
+    """What "is" means for a number that tables show rounded."""
+    half = 0.5 * 10.0 ** -len(f"{value!r}.0".split(".")[1].rstrip("0"))
+    label = label_of(column)
+    return (
+        f"Only {label} of exactly {value:.6g} counts: about {value:.6g} within {half:g} allows for "
+        "rounding."
+    )
+
+
 def colour_note(words: str, lab: Array) -> str:
     """The colour of a reference."""
     return f"The colour is that of {words}: L* a* b* " + " ".join(f"{v:.1f}" for v in lab) + "."

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 
 from relgloss_view.catalogue.query import columns_phrases, wish_phrases
 from relgloss_view.catalogue.query.fault import QueryError
-from relgloss_view.catalogue.query.scanner import Scanner
+from relgloss_view.catalogue.query.scanner import WIDE, Scanner
 from relgloss_view.catalogue.query.terms import (
     CLOSENESS,
     All,
@@ -63,7 +63,7 @@ class _Parser:
                 text, MOST_CHARACTERS, len(text),
                 f"longer than {MOST_CHARACTERS} characters", "write a shorter query",
             )  # fmt: skip
-        self.scanner = Scanner(text)
+        self.scanner = Scanner(text.translate(WIDE))
         self.depth = 0
         self.last: Condition | None = None  #: what the last phrase has asked for
 
@@ -162,12 +162,17 @@ class _Parser:
         if scanner.has_number():
             raise scanner.fault("a condition begins with what it is about", NUMBER_REMEDY)
         at, end = scanner.piece()
+        if scanner.text[at:end].lower() in (*AND, *OR):
+            remedy = "write a condition before it, or leave it out"
+            raise QueryError(scanner.text, at, end, "it joins two conditions", remedy)
         longer = scanner.text[at : min(len(scanner.text), end + 12)]
         piece = scanner.text[at : min(end, at + 30)]
         if piece.lower() in CHOICES["quality"]:
             remedy = f"write quality {piece.lower()}"
             raise QueryError(scanner.text, at, end, "not a condition by itself", remedy)
-        remedy = f"{suggestion(longer)}; to look for a name, write name contains {piece}"
+        near = suggestion(longer)
+        then = " To" if near.endswith("?") else "; to"
+        remedy = f"{near}{then} look for a name, write name contains {piece}"
         raise QueryError(scanner.text, at, end, "not a known word here", remedy)
 
     def orders(self) -> list[Order]:

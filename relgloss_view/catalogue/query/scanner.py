@@ -8,7 +8,9 @@ from functools import lru_cache
 
 from relgloss_view.catalogue.query.fault import QueryError
 
-NUMBER = re.compile(r"[+\-\u2212]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+NUMBER = re.compile(r"[+\-\u2212]?(?:[0-9]+(?:\.(?!\.)[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+#: Signs and digits as East Asian keyboards write them; parentheses stay, as names have them.
+WIDE = {0xFEE0 + code: code for code in map(ord, "0123456789<>=%.+-")}
 SPACE = re.compile(r"\s*")
 COMMA = re.compile(r",[0-9]")
 PIECE = re.compile(r"[^\s()]+")

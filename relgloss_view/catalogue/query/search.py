@@ -10,7 +10,7 @@ import numpy as np
 
 from relgloss_view.base.arrays import Array, Ints
 from relgloss_view.base.terminal import ProgressReport, no_progress
-from relgloss_view.catalogue.columns import BY_NAME, LAB, READINGS, TEXT
+from relgloss_view.catalogue.columns import BY_NAME, LAB, NUMBER, READINGS, TEXT
 from relgloss_view.catalogue.query import terms
 from relgloss_view.catalogue.query.fault import QueryError
 from relgloss_view.catalogue.query.found import Found, Hit, Measure, Searched
@@ -21,7 +21,13 @@ from relgloss_view.catalogue.query.nearest import (
     PictureIndex,
     redrawn,
 )
-from relgloss_view.catalogue.query.notes import ERRORS, colour_note, pictures_note, reading_note
+from relgloss_view.catalogue.query.notes import (
+    ERRORS,
+    colour_note,
+    exact_note,
+    pictures_note,
+    reading_note,
+)
 from relgloss_view.catalogue.query.order_words import order_words
 from relgloss_view.catalogue.query.parse import parse
 from relgloss_view.catalogue.query.references import Resolved, resolved
@@ -316,6 +322,8 @@ class _Search:
             return reading_note(self._resolve(leaf.reference).words, *self._readings[id(leaf)])
         if isinstance(leaf, ColourNear) and isinstance(leaf.target, ReferenceName):
             return colour_note(self._resolve(leaf.target).words, self.target(leaf))
+        if isinstance(leaf, terms.Range) and leaf.low == leaf.high and _is_number(leaf.column):
+            return exact_note(leaf.column, leaf.low)
         if isinstance(leaf, Nearest):
             count = len(self.differences.exact) if is_exact and self.differences else None
             return pictures_note(self._resolve(leaf.reference).words, count)
@@ -330,6 +338,10 @@ class _Search:
         if self.differences is not None:
             counts["thumbnail"] = int(np.sum(np.isnan(self.differences.all[unknown])))
         return {column: count for column, count in counts.items() if count}
+
+
+def _is_number(column: str) -> bool:
+    return BY_NAME[column].kind == NUMBER
 
 
 def _is_text(column: str) -> bool:

@@ -45,7 +45,7 @@ AXES = tuple(
 )
 #: A number that another one or nothing follows: a colour, and not a name such as "7 coats".
 NUMBERS = re.compile(rf"(?>{NUMBER.pattern})(?=\s*$|(?:\s*[,;]\s*|\s+)[-+.\u2212]?[0-9]|,[0-9])")
-BETWEEN = re.compile(r"[,;]\s")
+BETWEEN = re.compile(r",\s|;")
 PERCENT, DEGREES = re.compile(r"%|percent\b", re.I), re.compile(r"\u00b0|deg(?:rees?)?\b", re.I)
 ANGLE = re.compile(r"(?P<angle>[0-9.]+)\s*(?:\u00b0|deg(?:rees?)?\b)?", re.I)
 EXAMPLE = "write colour within dE 3 of 50 20 10, or of NAME"

@@ -15,6 +15,7 @@ from urllib.parse import unquote
 import numpy as np
 
 from relgloss_view.base.arrays import Array
+from relgloss_view.base.beside import path_beside
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.json_files import parse_json
 from relgloss_view.base.reading import printable, read_bytes
@@ -147,17 +148,7 @@ class Document:
         shown = printable(name, 60)
         if self._folder is None:
             raise InputError(f"names the file {shown}; a .glb holds its buffers itself")
-        refusal = f"names the file {shown}, which is not in its folder; put its files beside it"
-        parts = name.replace("\\", "/").split("/")
-        if ":" in name or "\0" in name or ".." in parts or name.startswith(("/", "\\")):
-            raise InputError(refusal)
-        path = self._folder / name
-        try:
-            inside = path.resolve().is_relative_to(self._folder.resolve())
-        except (OSError, RuntimeError, ValueError):
-            inside = False
-        if not inside:
-            raise InputError(refusal)
+        path = path_beside(name, self._folder)
         self.files.append(str(path))
         used = sum(len(data) for data in self._buffers.values())
         return read_bytes(path, max(MOST_BUFFER - used, 0), "the buffer of a .gltf file")

@@ -14,13 +14,16 @@ import numpy as np
 
 from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.errors import InputError
+from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import ProgressReport, no_progress
 from relgloss_view.catalogue.columns import TABLE_FILE
 from relgloss_view.viewer.files.pack_edits import stamp_of
+from relgloss_view.viewer.files.proof_writing import OtherPair
 from relgloss_view.viewer.state.catalogues import OpenCatalogue
+from relgloss_view.viewer.state.state import Side, State
 
 if TYPE_CHECKING:
-    from relgloss_view.catalogue.query.found import Searched
+    from relgloss_view.catalogue.query.found import Found, Hit, Searched
 
 TABLE_SUFFIXES = (".parquet",)
 LARGEST_PX = 512  #: of a thumbnail's side; a larger one is made smaller
@@ -72,3 +75,25 @@ def decoded(png: bytes | None) -> Bytes | None:
         return None
     image.thumbnail((LARGEST_PX, LARGEST_PX))  # a smaller one stays as it is
     return np.asarray(image)
+
+
+def proof_of(opened: OpenCatalogue, found: Found, hit: Hit) -> OtherPair:
+    """The pair that `relgloss catalogue search --proofs` writes for a hit."""
+    from relgloss_view.catalogue.proofs import note_of, pair_of
+
+    recipe = opened.catalogue.recipe.reference
+    own = recipe if isinstance(recipe, str) else str(recipe.get("name") or "a material of its own")
+    words = f"the catalogue's reference, {printable(own, 80)}"
+    if found.reference is not None:
+        words = f"the reference of your search, {printable(found.reference.words, 120)}"
+
+    def make() -> State:
+        pair = pair_of(hit, found, opened.catalogue)
+        assert pair.reference is not None
+        assert pair.reference_look is not None
+        reference, test = Side(pair.reference, pair.reference_look), Side(pair.sample, pair.look)
+        return State(reference, test, pair.setup, match=pair.match)
+
+    note = note_of(hit, found) if found.query.text else ""
+    sentence = f"The proof shows this sample beside {words}, with their ratio of gloss."
+    return OtherPair(hit.name, sentence, note, make)

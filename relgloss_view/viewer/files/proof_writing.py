@@ -53,7 +53,7 @@ class ProofRequest:
 
     state: what it shows. answers: the open proof that it answers, or None. key: file of the key
     that signs it, '' for none. title: '' takes the sample's name; a reply keeps its title. monitor:
-    that the window lies on.
+    that the window lies on. make: gives the state in the background, in the place of `state`.
     """
 
     path: str
@@ -64,6 +64,7 @@ class ProofRequest:
     key: str = ""
     answers: OpenProof | None = None
     monitor: Monitored = field(default_factory=Monitored)
+    make: Callable[[], State] | None = None
 
     @property
     def beyond(self) -> tuple[str, ...]:
@@ -74,6 +75,20 @@ class ProofRequest:
     def is_reply(self) -> bool:
         """Whether it adds a message to a proof that keeps its content."""
         return self.answers is not None and not self.beyond
+
+
+@dataclass(frozen=True)
+class OtherPair:
+    """A pair that is not the window's, to be written as a proof.
+
+    name: of the sample, the proof's title. words: what the proof will show, one sentence. make:
+    gives the pair, in the background.
+    """
+
+    name: str
+    words: str
+    note: str
+    make: Callable[[], State]
 
 
 @dataclass(frozen=True)
@@ -127,6 +142,8 @@ class ProofWriting:
 def written(request: ProofRequest, cancelled: threading.Event | None = None) -> WrittenProof:
     """Write a proof, whole or not at all. Raises InputError."""
     cancelled = cancelled or threading.Event()
+    if request.make is not None:
+        request = dataclasses.replace(request, state=request.make(), make=None)
     answers = request.answers
     if answers is not None and request.is_reply:
         proof = answers.proof.answered(_message(request, answers.folder))

@@ -121,6 +121,8 @@ def _line(actions: CatalogueActions, opened: OpenCatalogue) -> None:
     words = found_words(actions.found, opened)
     if actions.searching:
         words = f"{words}; {actions.progress or 'searching'} ..."
+    elif actions.refining:
+        words = f"preliminary order, drawing the nearest anew {actions.progress}: {words}"
     shown = printable(words, MOST_TEXT)
     widgets.quiet(fitting(shown, imgui.get_content_region_avail().x))
     notes = () if actions.found is None else actions.found.notes

@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from relgloss_view.catalogue.query.found import Found, Hit
     from relgloss_view.viewer.shell.catalogue_actions import CatalogueActions
 
+EMPTY = (
+    "This catalogue is empty: the folder that it was built from has no table, material or proof. "
+    "Build it from another folder."
+)
 NOTHING = "Nothing is found. Loosen a condition, or empty the search."
 PAD_EM, GAP_EM = 0.3, 0.35  #: within a tile; between tiles
 BEYOND = 1  #: rows above and below what shows, for the keyboard and for what comes next
@@ -36,7 +40,7 @@ def show(actions: CatalogueActions) -> None:
     if found is None:
         return
     if not found.hits:
-        widgets.wrapped(NOTHING, dim=True)
+        widgets.wrapped(NOTHING if found.searched else EMPTY, dim=True)
         return
     if actions.to_top:
         imgui.set_next_window_scroll(ImVec2(0.0, 0.0))
@@ -98,7 +102,7 @@ class _Grid:
         if is_done(hit.row):
             self._drag(hit)
         if imgui.begin_popup_context_item("menu"):
-            actions.selected = hit.path
+            actions.selected, actions.held = hit.path, True
             self._menu(hit)
             imgui.end_popup()
         elif hovered and not imgui.is_mouse_dragging(imgui.MouseButton_.left):
@@ -120,7 +124,7 @@ class _Grid:
     def _drag(self, hit: Hit) -> None:
         if not imgui.begin_drag_drop_source(imgui.DragDropFlags_.source_no_hold_to_open_others):
             return
-        self.actions.dragged = hit
+        self.actions.dragged, self.actions.held = hit, True
         imgui.set_drag_drop_payload_py_id(PAYLOAD, 1)
         texture = self.actions.thumbnails.texture(hit.path)
         if texture:
@@ -138,7 +142,13 @@ class _Grid:
         imgui.separator()
         if _item("Nearest to this", "", able):
             actions.ask_nearest(hit)
+        if _item("Write proof...", "", able):
+            actions.write_proof(hit)
         imgui.separator()
+        if not able:
+            if _item("Copy fault", "", True):
+                actions.copy_fault(hit)
+            return
         if _item("Copy command", "", able):
             actions.copy(hit, view_command)
         if _item("Copy material's file", "", able):

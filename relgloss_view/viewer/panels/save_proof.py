@@ -13,7 +13,12 @@ from relgloss_view.base.reading import printable
 from relgloss_view.viewer.files.folders import NameField, check_place, meant, with_suffix
 from relgloss_view.viewer.files.own_materials import safe_name
 from relgloss_view.viewer.files.proof_files import PROOF_SUFFIXES
-from relgloss_view.viewer.files.proof_writing import LONGEST_TEXT, ProofRequest, ProofWriting
+from relgloss_view.viewer.files.proof_writing import (
+    LONGEST_TEXT,
+    OtherPair,
+    ProofRequest,
+    ProofWriting,
+)
 from relgloss_view.viewer.panels import floating
 from relgloss_view.viewer.panels.file_dialogs import FileDialogs
 from relgloss_view.viewer.panels.own_dialog import Question
@@ -36,17 +41,26 @@ class SaveProof:
         self.title = self.note = self.author = self.key = ""
         self.name = NameField()
         self.answers: OpenProof | None = None
+        self.pair: OtherPair | None = None  #: written in the place of the window's pair
         self._open = self._raised = False
         self._replacing: ProofRequest | None = None
         self._confirmed = ""  #: a file that the dialog has asked about
         self._fault = ""
         self._began_s = 0.0
 
-    def open(self, answers: OpenProof | None = None) -> None:
-        """Show the window, for a new proof or for an answer to one."""
+    def open(self, answers: OpenProof | None = None, pair: OtherPair | None = None) -> None:
+        """Show the window, for a new proof (of another pair) or for an answer to one."""
         other = None if self.answers is None else self.answers.proof
-        if not self._open or other is not (None if answers is None else answers.proof):
-            self.answers, self._replacing, self._confirmed, self._fault = answers, None, "", ""
+        same = other is (None if answers is None else answers.proof) and self.pair == pair
+        if self.writing.busy:
+            same = True  # what is being written has its fields
+        if not self._open or not same:
+            self._replacing, self._confirmed, self._fault = None, "", ""
+            if pair is not None:
+                self.note = pair.note
+            elif self.pair is not None:
+                self.note = ""
+            self.answers, self.pair = answers, pair
             self.title = self._suggested_title()
             self.name.put(self._suggested_name())
         self._open = self._raised = True
@@ -87,6 +101,8 @@ class SaveProof:
         if answers is not None:
             beyond = changed_parts(state, answers.base)
             widgets.wrapped(_reply_words(answers, beyond), dim=not beyond)
+        if self.pair is not None:
+            widgets.wrapped(self.pair.words, dim=True)
         if answers is None or changed_parts(state, answers.base):
             self.title = self._text("Title", "title", self.title, "What the proof is about.")
         widgets.label("Note")
@@ -174,7 +190,7 @@ class SaveProof:
             return
         request = ProofRequest(
             path, self.model.state, self.note.strip(), self.author.strip(), self.title.strip(),
-            self.key, self.answers,
+            self.key, self.answers, make=None if self.pair is None else self.pair.make,
         )  # fmt: skip
         if there and path != self._confirmed:
             self._replacing = request
@@ -198,6 +214,8 @@ class SaveProof:
     def _suggested_title(self) -> str:
         if self.answers is not None:
             return self.answers.proof.title
+        if self.pair is not None:
+            return printable(self.pair.name, 100)
         pack, sample = self.model.pack("test"), self.model.sample("test")
         return printable(sample.material.name if pack is None else pack.name, 100)
 

@@ -40,8 +40,9 @@ from relgloss_view.viewer.panels import (
     status,
 )
 from relgloss_view.viewer.plots.gloss_readings import GlossReadings
-from relgloss_view.viewer.shell import actions, navigation, sliders
+from relgloss_view.viewer.shell import actions, navigation
 from relgloss_view.viewer.shell.file_actions import FileActions
+from relgloss_view.viewer.shell.hold import Hold
 from relgloss_view.viewer.shell.layout import (
     BELOW,
     BELOW_RIGHT,
@@ -107,8 +108,7 @@ class App:
         self._lost = False
         self._letters = Letters(self.model)
         self._layout_kept_s = 0.0
-        self._held_at_s = 0.0  #: when the hand last held something
-        self._warming_waits = False  #: until the hand has rested
+        self.hold = Hold(self.model, self.draft_scale)
 
     # --- the life of the window ---------------------------------------------------------------
 
@@ -172,9 +172,7 @@ class App:
             return True
         if self.model.dragging:
             return True
-        # A pause for the compiler between two clicks would part a double click.
-        self._warming_waits = not self._rested(now_s)
-        if self._warming_waits:
+        if not self.hold.rested():  # a pause for the compiler would part its clicks
             return False
         warmed = self.pair_renderer.warm(
             self.model.on_screen, self.files.new_material.about_to_show
@@ -188,7 +186,7 @@ class App:
     def wait_s(self) -> float | None:
         """How long nothing needs to be drawn."""
         typing = imgui.get_io().want_text_input  # its cursor blinks
-        soon = self.model.held or self._warming_waits or typing
+        soon = self.model.held or self.hold.rest_awaited or typing
         return 0.05 if soon else self.files.due_s()
 
     def dropped(self, paths: list[str]) -> None:
@@ -268,28 +266,8 @@ class App:
     # --- one frame ----------------------------------------------------------------------------
 
     def _note_hand(self) -> None:
-        """Note the hand's hold; its gesture ends when it lets go, and not between two clicks."""
-        model = self.model
-        pressed = any(imgui.is_mouse_down(button) for button in range(3))
-        active = imgui.is_any_item_active()
-        if sliders.take_moved():
-            model.hold()
-        now_s = time.monotonic()
-        if self._rested(now_s) and not active and not model.held:
-            model.history.end_gesture()
-        # Shaders get ready while readings are typed, whose fields have the keyboard all the time.
         typing = self.files.new_material.active and imgui.get_io().want_text_input
-        if pressed or (active and not typing):
-            self._held_at_s = now_s
-        model.dragging = (pressed and active) or model.held
-        if model.dragging:
-            self.draft_scale.drag()
-        else:
-            self.draft_scale.rest()
-
-    def _rested(self, now_s: float) -> bool:
-        """Whether the hand let go so long ago that a click now begins another gesture."""
-        return now_s - self._held_at_s > imgui.get_io().mouse_double_click_time
+        self.hold.each_frame(typing=typing)
 
     def _show_stage(self) -> None:
         canvas = stage.show(self.model, self._draw_pictures, self.files.catalogue.drop)

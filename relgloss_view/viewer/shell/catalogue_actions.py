@@ -19,14 +19,18 @@ from relgloss_view.catalogue.columns import TABLE_FILE
 from relgloss_view.catalogue.query.fault import QueryError
 from relgloss_view.viewer.drawing.thumbnails import Thumbnails
 from relgloss_view.viewer.files.background import Worker
-from relgloss_view.viewer.files.catalogue_files import decoded_thumbnails
+from relgloss_view.viewer.files.catalogue_files import decoded_thumbnails, proof_of
+from relgloss_view.viewer.files.exact_search import ExactSearch
 from relgloss_view.viewer.files.pack_edits import Poll
+from relgloss_view.viewer.files.proof_writing import OtherPair
 from relgloss_view.viewer.state.catalogues import (
     TILE_EM,
     Asked,
     OpenCatalogue,
+    fault_of,
     is_done,
     nearest_query,
+    opened_words,
     searched,
     title_of,
 )
@@ -37,6 +41,7 @@ if TYPE_CHECKING:
 
 PANEL = "Catalogue"
 TICK_S = 0.05  #: between frames while something is under way
+LONGEST_COPY = 2000  #: characters of a fault on the clipboard
 AT_ONCE = 24  #: pictures that are decoded in one piece of work
 
 _Pictures = dict[str, Bytes | None]
@@ -45,11 +50,15 @@ _Pictures = dict[str, Bytes | None]
 class CatalogueActions:
     """Keeps the open catalogue.
 
-    open_path: opens a file in the background, for a side.
+    open_path: opens a file in the background, for a side. save_pair: asks how to write a proof.
     """
 
     def __init__(
-        self, model: Model, open_path: Callable[..., None], wake: Callable[[], None]
+        self,
+        model: Model,
+        open_path: Callable[..., None],
+        save_pair: Callable[[OtherPair], None],
+        wake: Callable[[], None],
     ) -> None:
         self.model = model
         self.coming = ""  #: path of a catalogue that is being opened
@@ -58,6 +67,7 @@ class CatalogueActions:
         self.found: Found | None = None  #: the last good result
         self.fault: QueryError | None = None  #: of what is typed now
         self.progress = ""  #: of a search that takes a while, in words
+        self.held = False  #: whether a menu or a drag is on the tiles, which then keep their order
         self.to_top = False  #: whether the tiles that show next begin with the first
         self.selected = ""  #: path of the item that was chosen last
         self.dragged: Hit | None = None
@@ -65,8 +75,11 @@ class CatalogueActions:
         self.changed = False  #: whether the catalogue was built again since it was read
         self.remembered = ""  #: folder of the last session's catalogue, until it is asked for
         self.thumbnails = Thumbnails()
-        self._open_path = open_path
+        self._open_path, self._save_pair, self._wake = open_path, save_pair, wake
         self._search: Worker[tuple[OpenCatalogue, Asked], Found | QueryError] = Worker(wake)
+        self._refine: Worker[tuple[OpenCatalogue, Asked], Found] = Worker(wake)
+        self._drawing: ExactSearch | None = None
+        self._refined: Found | None = None  #: an exact result, until nothing holds the tiles
         self._decode: Worker[tuple[OpenCatalogue, tuple[str, ...]], _Pictures] = Worker(wake)
         self._poll = Poll(wake)
         self._answered: Asked | None = None  #: the last query that has an answer
@@ -90,11 +103,10 @@ class CatalogueActions:
         if not same:
             self.asked, self.selected = Asked(), ""
         self.found, self.fault, self._answered, self.dragged = None, None, None, None
+        self._stop_drawing()
         self.thumbnails.release()
         self.model.wanted_panel = PANEL
-        count = len(opened.catalogue.rows)
-        items = "1 item" if count == 1 else f"{count:,} items"
-        self.model.report(f"opened the catalogue {opened.name}: {items}")
+        self.model.report(opened_words(opened))
 
     def remember(self, folder: str) -> None:
         """Note the folder of the last session's catalogue; the panel opens it when it shows."""
@@ -118,6 +130,8 @@ class CatalogueActions:
             before.text if text is None else text, before.sort if sort is None else sort
         )
         self.fault = None
+        if self.asked != before:
+            self._stop_drawing()
         try:
             _ = self.asked.query
         except QueryError as error:
@@ -132,7 +146,7 @@ class CatalogueActions:
         if self.opened is None:
             return
         if not is_done(hit.row):
-            fault = printable(str(hit.row.get("fault") or "it has no material"), 200)
+            fault = fault_of(hit.row, 200)
             self.model.report(f"{title_of(hit.row)}: {fault}", fault=True)
             return
         file = self.material_file(hit)
@@ -158,6 +172,11 @@ class CatalogueActions:
             return None
         return file
 
+    def write_proof(self, hit: Hit) -> None:
+        """Show the window that writes a proof of an item, beside the reference of the search."""
+        if self.opened is not None and self.found is not None and self.material_file(hit):
+            self._save_pair(proof_of(self.opened, self.found, hit))
+
     def copy(self, hit: Hit, words: Callable[[Path], str]) -> None:
         """Put something about an item's material file on the clipboard, and report it."""
         file = self.material_file(hit)
@@ -171,10 +190,20 @@ class CatalogueActions:
         if hit is not None:
             self.set(side, hit)
 
+    def copy_fault(self, hit: Hit) -> None:
+        """Put a failed item's file and its fault on the clipboard."""
+        imgui.set_clipboard_text(f"{hit.path}: {fault_of(hit.row, LONGEST_COPY)}")
+        self.model.report(f"copied: the fault of {title_of(hit.row)}")
+
     @property
     def searching(self) -> bool:
         """Whether the shown result is not yet that of the query."""
         return self.opened is not None and self.fault is None and self._answered != self.asked
+
+    @property
+    def refining(self) -> bool:
+        """Whether the order is that of thumbnails, while the nearest pictures are drawn anew."""
+        return self._drawing is not None or self._refined is not None
 
     # --- in every frame -----------------------------------------------------------------------
 
@@ -186,6 +215,7 @@ class CatalogueActions:
     def each_frame(self) -> None:
         """Take what has ended, and begin what the panel has asked for."""
         self._take_found()
+        self._take_refined()
         self._take_pictures()
         opened = self.opened
         if opened is None:
@@ -204,7 +234,7 @@ class CatalogueActions:
 
     def due_s(self) -> float | None:
         """Seconds until a frame is needed without an event; None for no need of one."""
-        busy = self.thumbnails.waiting or self._search.busy or self._decode.busy
+        busy = self.thumbnails.waiting or self._search.busy or self._decode.busy or self.refining
         return TICK_S if self.opened is not None and busy else None
 
     def _report(self, share: float, text: str) -> None:
@@ -214,6 +244,7 @@ class CatalogueActions:
     def close(self) -> None:
         """Free what is on the device and stop looking; the window is about to close."""
         self._poll.close()
+        self._stop_drawing()
         self.thumbnails.release()
 
     def _take_found(self) -> None:
@@ -229,6 +260,40 @@ class CatalogueActions:
             self.model.report(ended.fault, fault=True)
         else:
             self.found, self.to_top = ended.value, True
+            if not ended.value.is_exact and asked == self.asked:
+                self._draw_anew(ended.key[0], asked, ended.value)
+
+    def _draw_anew(self, opened: OpenCatalogue, asked: Asked, preliminary: Found) -> None:
+        """Begin the search whose nearest pictures are drawn anew."""
+        self._stop_drawing()
+        self.progress = ""
+        try:
+            self._drawing = drawing = ExactSearch(opened, asked.query)
+        except RelglossError as error:
+            self.model.report(str(error), fault=True)
+            return
+
+        def report(share: float, _: str) -> None:
+            self.progress = f"{100.0 * share:.0f} %"
+
+        self._refine = Worker(self._wake)  # what was stopped may still be ending
+        self._refine.start((opened, asked), lambda: drawing.run(preliminary, report))
+
+    def _stop_drawing(self) -> None:
+        if self._drawing is not None:
+            self._drawing.stop()
+        self._drawing = self._refined = None
+
+    def _take_refined(self) -> None:
+        """Show the exact order, once no menu and no drag is on the tiles, which would move."""
+        ended = self._refine.take()
+        if ended is not None and self._drawing is not None:
+            self._drawing, self._refined = None, ended.value
+            if ended.value is None:
+                self.model.report(ended.fault, fault=True)
+        held, self.held = self.held, False
+        if self._refined is not None and not held:
+            self.found, self._refined = self._refined, None
 
     def _take_pictures(self) -> None:
         ended = self._decode.take()

@@ -86,7 +86,7 @@ class FileActions:
         self.new_material = NewMaterial(model, wake)
         self._new_material_panel = NewMaterialPanel(self.new_material, self.dialogs)
         self.proofs = ProofActions(model, self.dialogs, wake)
-        self.catalogue = CatalogueActions(model, self.open_path, wake)
+        self.catalogue = CatalogueActions(model, self.open_path, self.proofs.save_pair, wake)
         self._wake = wake
         self._waiting: list[Wanted] = []
         self._job: OpenJob | None = None

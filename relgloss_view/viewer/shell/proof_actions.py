@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from relgloss_view.base.errors import RelglossError
-from relgloss_view.viewer.files.proof_writing import CANCELLED, ProofWriting
+from relgloss_view.viewer.files.proof_writing import CANCELLED, OtherPair, ProofWriting
 from relgloss_view.viewer.files.same_picture import SamePicture, same_picture
 from relgloss_view.viewer.panels.file_dialogs import FileDialogs
 from relgloss_view.viewer.panels.save_proof import SaveProof
@@ -35,6 +35,10 @@ class ProofActions:
     def save_as_proof(self) -> None:
         """Show the window that writes the present pair as a new proof."""
         self._dialog.open()
+
+    def save_pair(self, pair: OtherPair) -> None:
+        """Show the window that writes another pair than the present one as a new proof."""
+        self._dialog.open(pair=pair)
 
     def reply(self) -> None:
         """Show the window that answers the open proof."""

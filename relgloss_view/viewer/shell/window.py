@@ -31,8 +31,7 @@ from relgloss_view.picture.gpu.context import (
     texture_probe,
 )
 from relgloss_view.viewer.drawing.canvas import Canvas
-from relgloss_view.viewer.shell import theme
-from relgloss_view.viewer.shell.keyboard import Keyboard, listen
+from relgloss_view.viewer.shell import clicks, keyboard, theme
 from relgloss_view.viewer.shell.platform import (
     gamma_ramp,
     held_size,
@@ -103,7 +102,8 @@ class Window:
         self.below: Callable[[], None] | None = None
         self._ctx: Any = None
         self._blitter: Blitter | None = None
-        self._keyboard: Keyboard | None = None
+        self._keyboard: keyboard.Keyboard | None = None
+        self._mouse = clicks.Mouse()
         #: Whether the device still knows a texture by this name.
         self.is_texture: Callable[[int], bool] = lambda name: True
         self.handle: Any = None  #: of GLFW
@@ -219,6 +219,7 @@ class Window:
                 self._settling = max(self._settling - 1, int(again))
             if self._keyboard is not None and self._keyboard.next_frame():
                 self._settling = SETTLING_FRAMES
+            self._mouse.end_frame()
             self._drawn += 1
 
     def _wait(self) -> bool:
@@ -236,7 +237,8 @@ class Window:
         if self.headless:
             time.sleep(min(limit, NULL_STEP_S))
             return True
-        glfw.wait_events_timeout(limit)
+        with self._mouse.waiting():
+            glfw.wait_events_timeout(limit)
         if time.monotonic() - now < 0.98 * limit:  # an event ended the wait
             self._settling = SETTLING_FRAMES
             self._awake_until = time.monotonic() + TOOLTIP_S
@@ -288,7 +290,8 @@ class Window:
             glfw.set_window_size(handle, *self.size)
         on_drop: Any = lambda _, paths: self._dropped(list(paths))  # noqa: E731 - annotated wrongly
         glfw.set_drop_callback(handle, on_drop)
-        self._keyboard = listen(handle, address)
+        self._keyboard = keyboard.listen(handle, address)
+        self._mouse = clicks.listen(handle, address)
         ctx = self._ctx = attach(load)
         self.is_texture = texture_probe(load)
         self._screen = Offscreen(ctx) if self.headless else ctx.screen
@@ -303,6 +306,7 @@ class Window:
 
     def _frame(self) -> None:
         if self._started and self._error is None:
+            self._mouse.begin_frame()
             self._fit_screen()
             self._guarded(self.program.frame)
 

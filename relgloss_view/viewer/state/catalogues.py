@@ -184,14 +184,20 @@ def title_of(row: Row) -> str:
     return printable(str(name), 80)
 
 
+def fault_of(row: Row, most: int) -> str:
+    """Why an item failed, in at most so many characters."""
+    return printable(str(row.get("fault") or "no reason is given"), most)
+
+
 def numbers_of(hit: Hit, found: Found) -> str:
     """The line under a name: a reading, and its ratio or what the query computed of it.
 
-    The reading is the first that the query uses, else gloss at 60 degrees.
+    The reading is the first that the query uses, else gloss at 60 degrees. A failed item has its
+    fault there.
     """
     row = hit.row
     if row.get("status") != DONE:
-        return "failed"
+        return fault_of(row, 80)
     used = next((name for name in found.columns if name in SHORT), "gloss_60")
     parts = [_short(row, used)]
     computed = [(one, hit.numbers[one.key]) for one in found.measures if one.key in hit.numbers]
@@ -199,6 +205,9 @@ def numbers_of(hit: Hit, found: Found) -> str:
     if computed:
         measure, value = computed[0]
         before, after = MEASURES.get(measure.key, ("", f" {measure.label}"))
+        # A picture that is drawn anew has more numbers than a thumbnail.
+        if measure.key == "picture_difference" and "picture_mean" not in hit.numbers:
+            before += "about "
         parts.append(f"{before}{value:.2f}{after}")
     elif ratio is not None:
         parts.append(f"{ratio:.2f} x")
@@ -214,10 +223,9 @@ def _short(row: Row, name: str) -> str:
 def tooltip_of(hit: Hit, found: Found) -> str:
     """All readings of an item with their errors, and what there is to know about it."""
     row = hit.row
-    lines = [title_of(row), printable(hit.path, LONGEST_LINE)]
+    lines = list(dict.fromkeys([title_of(row), printable(hit.path, LONGEST_LINE)]))
     if row.get("status") != DONE:
-        fault = printable(str(row.get("fault") or "no reason is given"), 2 * LONGEST_LINE)
-        return "\n".join([*lines, "", fault])
+        return "\n".join([*lines, "", fault_of(row, 2 * LONGEST_LINE)])
     lines.append("")
     for name, heading, decimals, unit in _READINGS:
         lines += _reading(row, name, heading, decimals, unit)
@@ -269,6 +277,14 @@ def _number(value: object) -> float | None:
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         return None
     return float(value)
+
+
+def opened_words(opened: OpenCatalogue) -> str:
+    """What is reported when a catalogue was opened."""
+    rows = opened.catalogue.rows
+    words = "1 item" if len(rows) == 1 else f"{len(rows):,} items"
+    failed = sum(1 for row in rows if row.get("status") != DONE)
+    return f"opened the catalogue {opened.name}: {words}" + f", {failed:,} failed" * bool(failed)
 
 
 def found_words(found: Found | None, opened: OpenCatalogue) -> str:
