@@ -117,7 +117,7 @@ def shortened(text: str) -> str:
     """A text of one line, cut in its middle: files of one product differ at their end.
 
     >>> shortened("2024/Algro Design Duo/Algro_Design_Duo_60g_lot402.json")
-    '2024/Algro Design...lgro_Design_Duo_60g_lot402.json'
+    '2024/Algro Design...o_Design_Duo_60g_lot402.json'
     """
     whole = printable(text, LONGEST_FAULT)
     if len(whole) <= LONGEST:
