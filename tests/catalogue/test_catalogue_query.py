@@ -205,7 +205,7 @@ class TestRatio:
         assert paths(found) == ["3.csv", "4.csv", "2.csv"]
         assert [hit.numbers["ratio"] for hit in found.hits] == [0.6, 0.8, 0.4]
         assert found.total == 9
-        assert "gloss 75 50.0" in found.notes[0]
+        assert "gloss 75 is 50.0 GU" in found.notes[0]
 
     def test_within_a_tolerance(self):
         found = search(MemoryCatalogue(self.ROWS), "looks 0.7 x as glossy as 5 within 15 %")
