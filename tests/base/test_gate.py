@@ -46,6 +46,7 @@ ELSEWHERE = {
     "proof/carry.py": "the folder that it has written",
     "pack/artwork/pdf.py": "the answer and the files of its own child",
     "catalogue/store.py": "its own records", "catalogue/outcome.py": "what it has written",
+    "catalogue/catalogue.py": "whether its own mark may be read",
     "catalogue/folder.py": "its own lock", "catalogue/work.py": "whether a file may be read",
     "catalogue/cluster_processes.py": "its own children", "catalogue/one_thread.py": "/proc",
     "catalogue/cluster_worker.py": "its own parent's words, and the program itself",
