@@ -246,6 +246,20 @@ def test_a_colour_space_holds_for_what_is_inside():
     assert "cut to 0 to 1" in line
 
 
+def test_no_surface_takes_light_away():
+    """Black in face and edge, or a mirror above a body: each at 200 directions."""
+    theta = np.linspace(0.0, 1.5, 200)
+    to_lamp = np.stack([np.sin(theta), 0.0 * theta, np.cos(theta)], axis=-1)
+    to_eye = to_lamp * np.array([-1.0, 1.0, 1.0])
+    black = value("base_color", "0, 0, 0", "color3") + value("specular_color", "0, 0, 0", "color3")
+    mirror = value("specular_ior", "100") + value("specular_roughness", "0")
+    for inputs in (black + value("base_metalness", "1"), mirror):
+        made, _ = surface(inputs)
+        for light in made.evaluate(to_lamp, to_eye):
+            assert np.min(light) >= 0.0
+            assert np.all(np.isfinite(light))
+
+
 def test_what_passes_through_a_body_is_no_colour_of_it():
     made, lost = surface(value("transmission_weight", "1"))
     assert made.base_color == (0.0, 0.0, 0.0)
