@@ -13,11 +13,13 @@ import json
 import os
 import subprocess
 import sys
+import time
 import traceback
 from pathlib import Path
 from typing import ClassVar
 
 LONGEST_S = 300.0  #: a busy machine draws a few frames a second
+UNTIL_S = 60.0
 NEVER_S = 1e6
 
 
@@ -119,11 +121,17 @@ class Hand:
         return results[0]
 
     def until(self, condition, frames=600):
-        """Let frames pass until something holds; returns whether it came to."""
-        for _ in range(frames):
+        """Let frames pass until something holds; returns whether it came to.
+
+        So many frames pass at least, and a minute: what works beside the frames may get little of
+        a busy machine while they get much.
+        """
+        end_s = time.monotonic() + UNTIL_S
+        while frames > 0 or time.monotonic() < end_s:
             if condition():
                 return True
             self.ctx.yield_()
+            frames -= 1
         return False
 
     def drag(self, start, moved, *, button=0, keys=0, steps=4):
