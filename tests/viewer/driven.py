@@ -134,13 +134,22 @@ class Hand:
             frames -= 1
         return False
 
-    def drag(self, start, moved, *, button=0, keys=0, steps=4):
-        """Press at a place of the screen, move and let go, all in pixels."""
+    def drag(self, start, moved, *, button=0, keys=0, steps=4, at_once=False):
+        """Press at a place of the screen, move and let go, all in pixels.
+
+        at_once: the mouse moves and is let go within one frame, as in a window that draws slowly.
+        """
         if keys:
             self.ctx.key_down(keys)
         self.ctx.mouse_move_to_pos(start)
         self.ctx.mouse_down(button)
         self.frames(1)
+        if at_once:
+            from imgui_bundle import imgui
+
+            end = (start[0] + moved[0], start[1] + moved[1])
+            self.ctx.mouse_teleport_to_pos(end, imgui.test_engine.TestOpFlags_.no_yield)
+            steps = 0
         for k in range(1, steps + 1):
             share = k / steps
             self.ctx.mouse_move_to_pos((start[0] + moved[0] * share, start[1] + moved[1] * share))

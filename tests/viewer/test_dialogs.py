@@ -391,7 +391,9 @@ def helper(tmp_path, monkeypatch):
     def ask(answer):
         program, looked = tmp_path / "zenity", tmp_path / "looked"
         looked.unlink(missing_ok=True)
-        program.write_text(f"#!/bin/sh\nuntil [ -e '{looked}' ]; do sleep 0.01; done\nprintf '%s\\n' '{answer}'\n")
+        program.write_text(
+            f"#!/bin/sh\nuntil [ -e '{looked}' ]; do sleep 0.01; done\nprintf '%s\\n' '{answer}'\n"
+        )
         program.chmod(0o755)
         environment = {**os.environ, "DISPLAY": ":99", "PATH": f"{tmp_path}:{os.environ['PATH']}"}
         environment.pop("RELGLOSS_DIALOG", None)
