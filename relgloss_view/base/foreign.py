@@ -229,6 +229,13 @@ def foreign_json(data: bytes) -> Foreign | None:
     )  # fmt: skip
 
 
+def refuse_foreign_json(data: bytes, path: object) -> None:
+    """Raise InputError, naming the format, where JSON is of another program."""
+    foreign = foreign_json(data)
+    if foreign is not None:
+        raise InputError(f"{path}: this looks like {foreign.name}; {foreign.remedy}")
+
+
 def refuse_foreign(head: bytes, path: object) -> None:
     """Raise InputError, naming the format, where a file begins as one of another program."""
     foreign = foreign_format(head)
