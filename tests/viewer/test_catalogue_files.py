@@ -35,7 +35,7 @@ from relgloss_view.viewer.state.model import Model
 from relgloss_view.viewer.state.state import State
 
 COUNT = 40
-LIMIT_S = 30.0
+LIMIT_S = 120.0
 
 
 @pytest.fixture(scope="module")
