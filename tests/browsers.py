@@ -260,6 +260,18 @@ def open_page(browser: Browser, page: Path | str, *, wait: bool = True) -> str:
     return address
 
 
+def frames(browser: Browser) -> None:
+    """Let frames pass, in which sizes, scrolling and what the page has put off come to be drawn."""
+    for _ in range(3):
+        call(browser, "() => new Promise((done) => requestAnimationFrame(() => done()))")
+
+
+def until(browser: Browser, condition: str) -> None:
+    """Wait for a JavaScript expression to come true, however busy the machine is."""
+    look = f"({condition}) ? done() : setTimeout(look, 10)"
+    call(browser, f"() => new Promise((done) => {{ const look = () => {look}; look(); }})")
+
+
 def call(browser: Browser, function: str, *arguments: Any) -> Any:
     """Call a JavaScript function with JSON arguments; a promise is waited for.
 

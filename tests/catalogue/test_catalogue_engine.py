@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 import tomllib
 import urllib.request
 from pathlib import Path
@@ -220,7 +219,7 @@ except Interrupted as error:
     "number", [signal.SIGKILL, signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]
 )
 def test_no_worker_outlives_the_driver(number, tmp_path):
-    """Killed, it leaves no process; interrupted, it ends with the signal's status and in time."""
+    """Killed, it leaves no process; interrupted, it ends early with the signal's status."""
     driver = subprocess.Popen(
         [sys.executable, "-c", DRIVER],
         stdout=subprocess.PIPE,
@@ -231,12 +230,10 @@ def test_no_worker_outlives_the_driver(number, tmp_path):
     try:
         assert driver.stdout is not None
         assert driver.stdout.readline()
+        assert wait_until(lambda: len(workers_of(driver.pid)) == 2)
         workers = workers_of(driver.pid)
-        assert len(workers) == 2
-        begun_s = time.monotonic()
         driver.send_signal(number)
-        _, err = driver.communicate(timeout=ENDED_S)
-        took_s = time.monotonic() - begun_s
+        printed, err = driver.communicate(timeout=ENDED_S)
     finally:
         driver.kill()
         driver.wait()
@@ -245,7 +242,7 @@ def test_no_worker_outlives_the_driver(number, tmp_path):
         assert driver.returncode == -signal.SIGKILL
     else:
         assert driver.returncode == 128 + number
-        assert took_s < 3.0  # a second Ctrl-C would leave at once: interruptions.AGAIN_S
+        assert len(printed.split("\n")) < 500  # of 1000: it has not worked on
         assert err == ""
         assert list(tmp_path.iterdir()) == []
 

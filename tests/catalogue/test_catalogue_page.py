@@ -12,7 +12,7 @@ from urllib.parse import unquote
 
 import numpy as np
 import pytest
-from browsers import before_pages, call, console, emulate, open_page, requests
+from browsers import before_pages, call, console, emulate, frames, open_page, requests, until
 from page_rows import seeded, seeded_rows, thumbnail
 from PIL import Image
 from search_rows import MemoryCatalogue
@@ -168,8 +168,8 @@ def test_hands_on_a_filter_write_the_address_and_it_comes_back(page_browser, wri
       field[0].value = "40"; field[0].dispatchEvent(new Event("change"));
       field[1].value = "50"; field[1].dispatchEvent(new Event("change"));
       document.querySelectorAll('.pick input')[0].click();
-      await new Promise((done) => setTimeout(done, 400));
     }""")  # fmt: skip
+    until(page_browser, "['gloss_60=', 'picked='].every((word) => location.hash.includes(word))")
     shown = paths_shown(page_browser)
     assert 0 < len(shown) < before
     fragment = call(page_browser, "() => location.hash")
@@ -223,8 +223,8 @@ def test_only_lines_in_view_are_elements(page_browser, written):
     emulate(page_browser, 1400, 900)
     at(page_browser, written)
     assert call(page_browser, "() => document.querySelectorAll('.tile').length") < 100
-    call(page_browser, "async () => { document.getElementById('list').scrollTop = 1e9;"
-         "await new Promise((done) => setTimeout(done, 100)); }")  # fmt: skip
+    call(page_browser, "() => { document.getElementById('list').scrollTop = 1e9; }")
+    frames(page_browser)
     last, rows = call(page_browser, "() => [Number([...document.querySelectorAll('.open')].at(-1)"
                       ".dataset.row), relgloss.rows()]")  # fmt: skip
     assert last == rows[-1]
@@ -237,19 +237,22 @@ def test_elements_are_used_again_and_lists_that_shrink_show_their_rows(page_brow
     emulate(page_browser, 1400, 900)
     at(page_browser, written)
     kept, again, tiles = call(page_browser, """async () => {
-      const rest = (ms) => new Promise((done) => setTimeout(done, ms));
+      const frames = async () => { // the page draws in the next one
+        for (let k = 0; k < 3; k++) await new Promise((done) => requestAnimationFrame(done));
+      };
       const list = document.getElementById("list");
       const openers = () => [...document.querySelectorAll(".open")];
       const before = new Map(openers().map((one) => [one.dataset.row, one]));
       const text = document.getElementById("text");
       text.value = "gloss"; text.dispatchEvent(new Event("input"));
-      await rest(100);
+      await frames();
       const now = openers().filter((one) => before.has(one.dataset.row));
       const same = now.filter((one) => before.get(one.dataset.row) === one).length;
       list.scrollTop = 1e9;
-      await rest(100);
+      await frames();
       location.hash = "#text=gloss&gloss_60=40..50"; // which scrolls the list nowhere
       await new Promise((done) => addEventListener("hashchange", done, {once: true}));
+      await frames();
       const box = list.getBoundingClientRect();
       const seen = [...document.querySelectorAll(".tile")]
         .map((one) => one.getBoundingClientRect())

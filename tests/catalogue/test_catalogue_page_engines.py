@@ -21,7 +21,8 @@ FILTERED = """async () => {
   const field = document.querySelectorAll('[data-range="gloss_60"] input[type="number"]');
   field[0].value = "40"; field[0].dispatchEvent(new Event("change"));
   field[1].value = "50"; field[1].dispatchEvent(new Event("change"));
-  for (let k = 0; k < 50 && !location.hash; k++) await new Promise((done) => setTimeout(done, 100));
+  for (let k = 0; k < 600 && !location.hash; k++)
+    await new Promise((done) => setTimeout(done, 100));
   const pictures = [...document.querySelectorAll("#list img")];
   await Promise.all(pictures.map((one) => one.decode()));
   return [relgloss.csv(), pictures.map((one) => one.naturalWidth), location.hash];
@@ -33,7 +34,7 @@ OPENED = """async () => {
   box.close();
   document.querySelectorAll(".pick input")[0].click();
   document.querySelectorAll(".pick input")[1].click();
-  await new Promise((done) => setTimeout(done, 300));
+  await new Promise((done) => setTimeout(done, 1000));
   document.querySelector("#tray .first").click();
   seen.push(document.querySelectorAll("dialog[open] thead th").length);
   document.querySelector("dialog[open]").close();

@@ -25,7 +25,7 @@ from relgloss_view.display.system.watch import Watch, answer_once, system_profil
 from relgloss_view.display.system.x11 import XScreens
 from relgloss_view.display.system.x_connection import Connection
 
-LONGEST_S = 20.0
+LONGEST_S = 120.0
 LEFT, RIGHT = Place(0, 0, 640, 480), Place(640, 0, 640, 480)
 SRGB, OTHER = (profile_of(d) for d in (Display(), Display(transfer="gain-offset-gamma")))
 

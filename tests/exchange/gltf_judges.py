@@ -34,7 +34,7 @@ def validated(*files: Path) -> list[dict]:
             pytrace=False,
         )
     words = ["node", "-e", SCRIPT, *map(str, files)]
-    done = subprocess.run(words, cwd=FOLDER, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(words, cwd=FOLDER, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

@@ -80,7 +80,7 @@ def mutated(seed, content):
 
 def outcome(path, name):
     """'read' or 'refused'; whatever else happens fails."""
-    began = time.perf_counter()
+    began = time.process_time()
     try:
         if "lamp" in name:
             table = read_lamp(path)
@@ -95,7 +95,7 @@ def outcome(path, name):
         result = "read"
     except InputError as error:
         printed, result = [str(error)], "refused"
-    assert time.perf_counter() - began < LIMIT_S
+    assert time.process_time() - began < LIMIT_S
     assert all(text.isprintable() and len(text) < 900 for text in printed)
     return result
 

@@ -220,9 +220,9 @@ class TestStability:
     @pytest.mark.parametrize("pixels_per_degree", [0.02, 3.0, 500.0, 1e6])
     def test_any_scale(self, pixels_per_degree):
         light = gray(planes(shape=(90, 121))[0], pixels_per_degree=pixels_per_degree)
-        before = time.perf_counter()
+        before = time.process_time()
         assert np.all(np.isfinite(Multiscale().apply(light).light))
-        assert time.perf_counter() - before < 5.0  # a filter as wide as it says would take minutes
+        assert time.process_time() - before < 20.0  # as wide as it says it would take minutes
 
     def test_the_scale_can_be_given(self):
         light = gray(planes(shape=(40, 40), top=2.0)[0], pixels_per_degree=10.0)

@@ -13,7 +13,7 @@ import json
 import random
 
 import pytest
-from browsers import before_pages, call, console, open_page, requests
+from browsers import before_pages, call, console, open_page, requests, until
 from opened_proofs import SEEN, page_of
 
 from relgloss_view.base.errors import InputError
@@ -101,7 +101,7 @@ def test_the_attacks_are_attacks(chromium_gl):
     """The control: as HTML, each of the first ones runs."""
     for attack in ATTACKS[:6]:
         open_page(chromium_gl, f"<title>t</title><body>{attack}")
-        call(chromium_gl, "() => new Promise(done => setTimeout(done, 50))")
+        until(chromium_gl, "window.canary !== undefined")
         assert call(chromium_gl, "() => window.canary ?? null") == 1, attack
 
 

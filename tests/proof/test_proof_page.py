@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from browsers import before_pages, call, call_array, console, emulate, open_page, requests
+from browsers import (
+    before_pages,
+    call,
+    call_array,
+    console,
+    emulate,
+    open_page,
+    requests,
+    until,
+)
 from page_samples import FIRST, SECOND, sample_page, sample_proof
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
@@ -218,6 +227,7 @@ def test_nothing_is_drawn_while_nothing_changes(page):
       engine.draw = (...all) => { calls++; return draw(...all); };
       const now = relgloss.settings();
       if (change) relgloss.set({...now, eye: {...now.eye, azimuth_deg: 3}});
+      while (change && calls === 0) await new Promise(requestAnimationFrame);
       await new Promise((done) => setTimeout(done, 250));
       return calls;
     }"""
@@ -230,12 +240,13 @@ def test_a_lost_context_comes_back(page):
     call(
         page,
         """() => { window.lose = document.getElementById("canvas").getContext("webgl2")
-      .getExtension("WEBGL_lose_context"); lose.loseContext();
-      return new Promise(d => setTimeout(d, 100)); }""",
+      .getExtension("WEBGL_lose_context"); lose.loseContext(); }""",
     )
+    until(page, "relgloss.app.lost")
     assert state(page) == "lost"
     assert "driver" in call(page, "() => document.getElementById('notice').textContent")
-    call(page, "() => { lose.restoreContext(); return new Promise(d => setTimeout(d, 200)); }")
+    call(page, "() => lose.restoreContext()")
+    until(page, "!relgloss.app.lost")
     assert np.array_equal(pixels(page, "test"), before)
     assert state(page) == "ready"
     assert call(page, "() => document.getElementById('notice').hidden")

@@ -124,6 +124,7 @@ def test_lines_are_pixels(chromium_gl, proof, scale):
         chromium_gl,
         """async () => {
           await new Promise((done) => setTimeout(done, 200));
+          for (let k = 0; k < 3; k++) await new Promise((done) => requestAnimationFrame(done));
           const canvas = document.querySelector(".lines");
           const data = canvas.getContext("2d").getImageData(0, 0, 1, canvas.height).data;
           const box = canvas.getBoundingClientRect();

@@ -12,12 +12,18 @@ from page_samples import SECOND, sample_page
 from relgloss_view.viewer.drawing import camera
 
 PHONE = (390, 844)
-LONG_S = 0.7  #: a press beyond the page's 0.5 s
 BOX = """() => {
   const {left, top, width, height} = document.getElementById("canvas").getBoundingClientRect();
   return [left, top, width, height];
 }"""
 READOUT = "() => document.getElementById('readout').textContent"
+#: What is read when the next finger has come down, and after the page's own 0.5 s: in the page's
+#: time, as a busy machine hands over a touch, or this program's question, late.
+DOWN = """() => { window.rested = new Promise((done) => addEventListener("pointerdown", () => {
+  const read = () => document.getElementById("readout").textContent, atOnce = read();
+  setTimeout(() => done([atOnce, read()]), 700);
+}, {once: true})); }"""
+RESTED = "() => window.rested"
 STATE = "() => document.getElementById('main').dataset.state"
 #: Tangent of a CSS pixel of the first picture.
 STEP = """async () => {
@@ -91,7 +97,7 @@ def test_beside_the_picture_a_finger_scrolls(phone):
     """The control: there the same drag scrolls the page and turns nothing."""
     before = settings(phone)
     drag(phone, ((200, 800), (200, 640)))
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + 60
     while call(phone, "() => scrollY") < 50:
         assert time.monotonic() < deadline, "it does not scroll"
         time.sleep(0.02)
@@ -118,10 +124,10 @@ def test_two_fingers_zoom_and_move(phone):
 def test_a_finger_that_rests_reads_a_colour(phone):
     before, idle = settings(phone), call(phone, READOUT)
     x, y = on_object(phone)
+    call(phone, DOWN)
     touch(phone, "touchStart", (x, y))
-    assert call(phone, READOUT) == idle
-    time.sleep(LONG_S)
-    first = call(phone, READOUT)
+    at_once, first = call(phone, RESTED)
+    assert at_once == idle
     assert "L*" in first
     touch(phone, "touchMove", (x + 30, y))
     second = call(phone, READOUT)

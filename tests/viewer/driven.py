@@ -13,11 +13,13 @@ import json
 import os
 import subprocess
 import sys
+import time
 import traceback
 from pathlib import Path
 from typing import ClassVar
 
 LONGEST_S = 300.0  #: a busy machine draws a few frames a second
+UNTIL_S = 60.0
 NEVER_S = 1e6
 
 
@@ -119,20 +121,35 @@ class Hand:
         return results[0]
 
     def until(self, condition, frames=600):
-        """Let frames pass until something holds; returns whether it came to."""
-        for _ in range(frames):
+        """Let frames pass until something holds; returns whether it came to.
+
+        So many frames pass at least, and a minute: what works beside the frames may get little of
+        a busy machine while they get much.
+        """
+        end_s = time.monotonic() + UNTIL_S
+        while frames > 0 or time.monotonic() < end_s:
             if condition():
                 return True
             self.ctx.yield_()
+            frames -= 1
         return False
 
-    def drag(self, start, moved, *, button=0, keys=0, steps=4):
-        """Press at a place of the screen, move and let go, all in pixels."""
+    def drag(self, start, moved, *, button=0, keys=0, steps=4, at_once=False):
+        """Press at a place of the screen, move and let go, all in pixels.
+
+        at_once: the mouse moves and is let go within one frame, as in a window that draws slowly.
+        """
         if keys:
             self.ctx.key_down(keys)
         self.ctx.mouse_move_to_pos(start)
         self.ctx.mouse_down(button)
         self.frames(1)
+        if at_once:
+            from imgui_bundle import imgui
+
+            end = (start[0] + moved[0], start[1] + moved[1])
+            self.ctx.mouse_teleport_to_pos(end, imgui.test_engine.TestOpFlags_.no_yield)
+            steps = 0
         for k in range(1, steps + 1):
             share = k / steps
             self.ctx.mouse_move_to_pos((start[0] + moved[0] * share, start[1] + moved[1] * share))

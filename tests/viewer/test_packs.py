@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 import os
 import time
@@ -35,6 +36,7 @@ from relgloss_view.viewer.state.state_file import load_state, save_state
 
 SHAPE = Shape("cylinder", diameter_m=0.066, height_m=0.115)
 SIZE = (96, 128)
+LONGEST_S = 120.0
 
 
 def write_artwork(path, box=(200, 30, 30)):
@@ -260,13 +262,17 @@ def test_a_sample_becomes_the_material_of_the_finish(state):
 # --- files that are edited elsewhere --------------------------------------------------------------
 
 
-def looked(watch, model, until, times=200):
-    """Let looks and frames pass until something holds."""
-    for _ in range(times):
+def looked(watch, model, until, times=None):
+    """Let looks and frames pass until something holds; so many, or for as long as it takes."""
+    end_s = time.monotonic() + LONGEST_S
+    looks = itertools.count() if times is None else range(times)
+    for _ in looks:
         watch.poll.look()
         watch.each_frame()
         if until():
             return True
+        if time.monotonic() > end_s:
+            break
         time.sleep(0.02)
     return False
 
@@ -443,7 +449,8 @@ def test_a_plate_that_becomes_a_finish_loses_its_colour_and_undo_gives_it_back(t
     colours = PlateColours(model, lambda: None)
 
     def settled():
-        for _ in range(200):
+        end_s = time.monotonic() + LONGEST_S
+        while time.monotonic() < end_s:
             colours.each_frame()
             if not colours._worker.busy:
                 return model.pack("test").artwork
@@ -476,8 +483,11 @@ def test_an_artwork_that_is_gone_keeps_its_colours(tmp_path):
     made, _ = packs.with_plate(dataclasses.replace(pack, artwork=inked), "VP7", "matt-varnish")
     model = Model(State.initial().with_sample("test", Sample.of_pack(made)))
     colours = PlateColours(model, lambda: None)
-    for _ in range(40):
+    end_s = time.monotonic() + LONGEST_S
+    more = 10  # frames after the first fault, which would tell of it again
+    while more and time.monotonic() < end_s:
         colours.each_frame()
+        more -= any(note.fault for note in model.notes) and not colours._worker.busy
         time.sleep(0.01)
     assert [note.fault for note in model.notes].count(True) == 1  # once
     assert model.pack("test").artwork is inked

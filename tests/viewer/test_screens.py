@@ -169,7 +169,7 @@ def test_a_profile_opens_as_the_scenes_display(tmp_path, profile):
     assert not is_display_file(tmp_path / "none")
     check_display(profile)
     job = OpenJob(profile, lambda: None)
-    assert job.wait(20.0)
+    assert job.wait(60.0)
     opened = job.result.applied(STATE, "test")
     assert opened.setup.display.profile == profile
     assert opened.presentation.screen == AS_DECLARED

@@ -31,7 +31,7 @@ SIZE = (640, 480)
 OBSERVER = "O07"
 GAP_S = 0.05
 SLOW_S = EARLIEST_S + 0.05  #: what nobody answers sooner than
-LONGEST_S = 20.0
+LONGEST_S = 120.0
 PAGE, STRIP = "//##page", "//##strip"
 PICTURE = 64
 
@@ -178,9 +178,9 @@ def answers_by_key(hand, found):
     answer = flow.answer
 
     def timed(category):
-        began = time.perf_counter()
+        began = time.thread_time()  # what it does; a busy disk or machine is not its doing
         done = answer(category)
-        answered[category] = time.perf_counter() - began
+        answered[category] = time.thread_time() - began
         return done
 
     flow.answer = timed
@@ -190,7 +190,11 @@ def answers_by_key(hand, found):
     found["rows"] = rows(hand)
     found["went on"] = [before, trial(hand)]
     wait(hand, lambda: screen(hand) == "trial" and hand.app._standing)
-    press(hand, "_4")  # sooner than anybody sees
+    wait(hand, lambda: flow._shown_s is not None)
+    clock = flow._clock
+    flow._clock = lambda: flow._shown_s + 0.9 * EARLIEST_S  # sooner than anybody sees
+    press(hand, "_4")
+    flow._clock = clock
     found["too soon"] = rows(hand)
 
 
@@ -287,9 +291,8 @@ def says_what_was_not_stored(hand, found):
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     found["not stored"] = rows(hand) == before
     time.sleep(0.5)  # which is not the observer's time
-    press(hand, "enter")
-    wait(hand, lambda: hand.app._standing)
     began = time.perf_counter()
+    press(hand, "enter")
     to_trial(hand)
     press(hand, "_1")
     found["mended"] = [hand.app.fault is None, hand.app.failed]
@@ -693,7 +696,7 @@ def test_an_answer_that_is_not_stored_is_not_acknowledged(walk):
     assert got["mended"] == [True, ""]
     assert got["row"] == [[2, "ratio", 0]]
     response_s, most_s = got["response_s"]
-    assert EARLIEST_S <= response_s <= most_s + 0.05  # counted from when the pictures came back
+    assert EARLIEST_S <= response_s <= most_s  # counted from when the pictures came back
 
 
 def test_lost_objects_are_made_again(walk):

@@ -198,6 +198,17 @@ def turns_moves_and_zooms(hand, found):
     hand.ctx.mouse_double_click(0)
     hand.frames(2)
     found["reset"] = [model.state.setup.eye.azimuth_deg, model.state.setup.eye.field_of_view_deg]
+    for at_once in (True, False):
+        before, kept = model.state.setup, model.state
+        hand.drag(place, (20.0, 0.0), at_once=at_once)
+        hand.drag(place, (0.0, 12.0), button=1, at_once=at_once)
+        hand.drag(place, (16.0, 0.0), keys=int(imgui.Key.mod_ctrl), at_once=at_once)
+        found[f"at once {at_once}"] = [
+            model.state.setup.eye.azimuth_deg - before.eye.azimuth_deg,
+            model.state.setup.eye.shift_up - before.eye.shift_up,
+            model.state.setup.lamp.azimuth_deg - before.lamp.azimuth_deg,
+        ]
+        model.change(kept)
 
 
 def draws_only_what_changed(hand, found):
@@ -547,6 +558,12 @@ def test_every_slider_of_the_scene_sets_its_entry(found):
 
 def test_undo_and_redo(found):
     assert found["takes_back_and_does_again"] == {"undone": True, "redone": True, "by menu": True}
+
+
+def test_a_frame_that_takes_the_last_movement_and_the_release_loses_nothing(found):
+    got = found["turns_moves_and_zooms"]
+    assert got["at once True"] == pytest.approx(got["at once False"])
+    assert min(map(abs, got["at once False"])) > 0.0
 
 
 def test_the_hand_on_the_pictures(found):

@@ -56,10 +56,12 @@ def take_press(model: Model, under: Under | None, *, active: bool) -> bool:
     """
     press = _press.of(model)
     if press.side and not active:  # let go
+        if imgui.is_item_deactivated():  # a slow frame takes the last movement with it
+            _follow(model, press, under)
         if not press.moved and not imgui.get_io().key_alt:
             choose(model, press.side, press.at, press.size)
-        press.side, press.carries = "", False
-        return False
+        carried, press.side, press.carries = press.carries, "", False
+        return carried
     if active and imgui.is_item_activated():
         left = imgui.is_mouse_down(imgui.MouseButton_.left)
         press.side, press.moved, press.carries, press.label_mm = "", False, False, None
@@ -72,6 +74,12 @@ def take_press(model: Model, under: Under | None, *, active: bool) -> bool:
         return press.carries
     if not (active and press.side):
         return False
+    _follow(model, press, under)
+    return press.carries
+
+
+def _follow(model: Model, press: _Press, under: Under | None) -> None:
+    """Note how far the mouse has come from the press, and carry the artwork there."""
     if under is not None and under[0] == press.side:
         far = max(abs(a - b) for a, b in zip(under[1], press.at, strict=True))
         press.moved = press.moved or far > CLICK_PX
@@ -79,7 +87,6 @@ def take_press(model: Model, under: Under | None, *, active: bool) -> bool:
             _carry(model, press, under[1])
     else:
         press.moved = True
-    return press.carries
 
 
 def choose(model: Model, side: str, at: tuple[float, float], size: Size) -> None:

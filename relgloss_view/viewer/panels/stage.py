@@ -133,8 +133,9 @@ def _take_hand(
             return
     if artwork_hand.take_press(model, under, active=active):
         return
-    # On the frame of the press the mouse may have come from far away.
-    if active and not imgui.is_item_activated():
+    # On the frame of the press the mouse may have come from far away; a slow frame takes the last
+    # movement and the release together.
+    if (active and not imgui.is_item_activated()) or imgui.is_item_deactivated():
         size = next(iter(drawn.arrangement.rects.values()))[2:]
         _drag(model, size)
 
@@ -157,7 +158,8 @@ def _drag(model: Model, size: Size) -> None:
     if model.state.presentation.mirror:
         delta = ImVec2(-delta.x, delta.y)
     moved = (delta.x, delta.y)
-    left = imgui.is_mouse_down(imgui.MouseButton_.left)
+    button = imgui.MouseButton_.left
+    left = imgui.is_mouse_down(button) or imgui.is_mouse_released(button)
     lamp = left and io.key_ctrl
     pan = not lamp and (not left or io.key_shift)
     if lamp or not io.key_alt:
