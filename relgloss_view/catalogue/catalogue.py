@@ -46,7 +46,8 @@ class Catalogue:
         """
         place = Path(folder)
         try:
-            (place / MARK).open("rb").close()
+            if (place / MARK).is_file():  # a pipe would keep whoever opens it waiting
+                (place / MARK).open("rb").close()
         except PermissionError as error:
             reason = f"can't be read ({error.strerror}); ask its owner for the right to read it"
             raise InputError(f"{named(place)}: {reason}") from error

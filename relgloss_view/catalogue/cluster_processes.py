@@ -132,23 +132,23 @@ def local_cluster(
             "distributed.comm.timeouts.connect": "10s",
         }
         stack.enter_context(dask.config.set(config))
-        stack.enter_context(_faults_of_start())
         security = distributed.Security.temporary()
-        cluster = distributed.LocalCluster(
-            n_workers=0,
-            threads_per_worker=1,
-            processes=True,
-            security=security,
-            dashboard_address=f"{LOOPBACK}:0",
-            silence_logs=logging.CRITICAL,
-            scheduler_sync_interval=SYNCED_S,
-            scheduler_kwargs={
-                "dashboard": dashboard,
-                # This program speaks to its own scheduler by queues, the workers by sockets.
-                "protocol": ["inproc", "tls"],
-                "host": [None, LOOPBACK],
-            },
-        )
+        with _faults_of_start():
+            cluster = distributed.LocalCluster(
+                n_workers=0,
+                threads_per_worker=1,
+                processes=True,
+                security=security,
+                dashboard_address=f"{LOOPBACK}:0",
+                silence_logs=logging.CRITICAL,
+                scheduler_sync_interval=SYNCED_S,
+                scheduler_kwargs={
+                    "dashboard": dashboard,
+                    # This program speaks to its own scheduler by queues, the workers by sockets.
+                    "protocol": ["inproc", "tls"],
+                    "host": [None, LOOPBACK],
+                },
+            )
         stack.callback(cluster.close, timeout=CLOSED_S)
         *_, listener = cluster.scheduler.listeners
         login = {

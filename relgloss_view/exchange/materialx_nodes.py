@@ -27,9 +27,17 @@ MOST_HOPS = 64  #: from name to name; longer ways are loops
 MOST_STEPS = 5000  #: of an input: nodes may share nodes, and so multiply
 MOST_PICTURE_BYTES = 100 * 1024 * 1024  #: of all pictures together
 LARGEST = 1e6  #: of any number that is read
+MOST_NUMBERS = 4  #: of any type that a surface takes
 PICTURES = ("image", "tiledimage", "gltf_image", "gltf_colorimage", "UsdUVTexture")
 SEPARATED = ("separate2", "separate3", "separate4")
 _CHANNELS = {name: k for names in ("rgba", "xyzw") for k, name in enumerate(names)}
+#: Inputs by which picture nodes multiply, and what they add then. glTF's `scale` is of places.
+_FACTORS = {
+    "gltf_image": ("factor",),
+    "gltf_colorimage": ("color", "geomcolor"),
+    "UsdUVTexture": ("scale",),
+}
+_ADDENDS = {"UsdUVTexture": ("bias",)}
 CIRCLE = "names that lead in a circle"
 
 
@@ -54,7 +62,8 @@ class Nodes:
     spaces: set[str] = field(default_factory=set)
     _parents: dict[int, Element] = field(default_factory=dict)
     _names: dict[int, dict[str, Element]] = field(default_factory=dict)
-    _means: dict[tuple[str, Space | None], Array] = field(default_factory=dict)
+    _inputs: dict[int, dict[str, Element]] = field(default_factory=dict)
+    _means: dict[tuple[str, Space | None], Array | InputError] = field(default_factory=dict)
     _used: int = 0
     _steps: int = 0
 
@@ -110,6 +119,13 @@ class Nodes:
             self._names[id(parent)] = {e.get("name", ""): e for e in parent}
         return self._names[id(parent)]
 
+    def _stated(self, node: Element, name: str) -> Element | None:
+        """As input_of: a node that many steps lead to is looked through once."""
+        if id(node) not in self._inputs:
+            inputs = (e for e in reversed(node) if e.tag == "input")
+            self._inputs[id(node)] = {e.get("name", ""): e for e in inputs}
+        return self._inputs[id(node)].get(name)
+
     def _literal(self, element: Element) -> Array:
         numbers = numbers_of(element.get("value", ""))
         if numbers is None:
@@ -146,7 +162,7 @@ class Nodes:
         pictures = _joined(*given)
         if operation.is_condition and pictures:
             raise NotKnownError(f"a node {node.tag!r} of a picture")
-        text = {name: (input_of(node, name), default) for name, default in operation.texts}
+        text = {name: (self._stated(node, name), default) for name, default in operation.texts}
         words = [default if e is None else e.get("value", default) for e, default in text.values()]
         try:
             with np.errstate(all="ignore"):
@@ -154,12 +170,14 @@ class Nodes:
         except (ValueError, IndexError, KeyError):
             raise NotKnownError(f"a node {node.tag!r} that does not fit its inputs") from None
         values = by_type(np.atleast_1d(made), node.get("type"))
+        if not 1 <= len(values) <= MOST_NUMBERS:
+            raise NotKnownError(f"a node {node.tag!r} that does not fit its inputs")
         if not np.all(np.isfinite(values)) or np.max(np.abs(values)) > LARGEST:
             raise NotKnownError(f"a node {node.tag!r} without a result")
         return Reached(values, pictures)
 
     def _input(self, node: Element, name: str, default: float | None, hops: int) -> Reached:
-        element = input_of(node, name)
+        element = self._stated(node, name)
         if element is not None:
             return self._of(element, hops)
         if default is None:
@@ -167,7 +185,7 @@ class Nodes:
         return Reached(np.array([default]))
 
     def _picture(self, node: Element, output: str | None, hops: int) -> Reached:
-        file = input_of(node, "file")
+        file = self._stated(node, "file")
         while file is not None and connected(file) and hops < MOST_HOPS:
             file, hops = self._target(file)[0], hops + 1
         name = "" if file is None else file.get("value", "")
@@ -183,23 +201,26 @@ class Nodes:
             raise NotKnownError(
                 f"{what}, whose picture {shown} is not beside the file as PNG, JPEG or WebP"
             ) from None
-        mean = mean * self._factor(node, hops)
+        for factor in _FACTORS.get(node.tag, ()):
+            mean = mean * self._four(node, factor, 1.0, hops)
+        for addend in _ADDENDS.get(node.tag, ()):
+            mean = mean + self._four(node, addend, 0.0, hops)
         if output in _CHANNELS:
             return Reached(mean[[_CHANNELS[output]]], (shown,))
         count = 1 if output == "outa" else WIDTHS.get(kind, 3)
         return Reached(mean[3:] if output == "outa" else mean[:count], (shown,))
 
-    def _factor(self, node: Element, hops: int) -> Array:
-        """(4,), by which glTF's picture nodes multiply."""
-        factor = np.ones(4)
-        for name in ("factor", "color", "scale"):
-            element = input_of(node, name)
-            is_place = name == "scale" and node.tag != "UsdUVTexture"  # of the picture's points
-            if element is None or is_place or node.tag in ("image", "tiledimage"):
-                continue
-            numbers = self._of(element, hops + 1).numbers
-            factor *= np.resize(numbers, 4) if len(numbers) in (1, 4) else np.append(numbers, 1.0)
-        return factor
+    def _four(self, node: Element, name: str, default: float, hops: int) -> Array:
+        """(4,), by which a node changes its picture; a colour of three leaves alpha alone."""
+        element = self._stated(node, name)
+        if element is None:
+            return np.full(4, default)
+        numbers = self._of(element, hops + 1).numbers
+        if len(numbers) == 3:
+            return np.append(numbers, default)
+        if len(numbers) not in (1, 4):
+            raise NotKnownError(f"a node {node.tag!r} that does not fit its inputs")
+        return np.resize(numbers, 4)
 
     def _mean(self, name: str, file: Element, is_colour: bool) -> Array:
         if self.folder is None:
@@ -207,14 +228,23 @@ class Nodes:
         space = self.space(file) if is_colour else None
         name = (self._inherited(file, "fileprefix") + name).replace("\\", "/")
         if (name, space) not in self._means:
-            left = max(MOST_PICTURE_BYTES - self._used, 0)
-            data = read_bytes(path_beside(name, self.folder), left, "a picture")
-            self._used += len(data)
-            mean = picture_mean(data, None if space is None else space.curve)
-            if space is not None:
-                mean[:3] = space.from_primaries(mean[:3])
-            self._means[name, space] = mean
-        return self._means[name, space]
+            try:
+                self._means[name, space] = self._opened(name, self.folder, space)
+            except InputError as error:  # which is not tried at each step that leads here
+                self._means[name, space] = error
+        mean = self._means[name, space]
+        if isinstance(mean, InputError):
+            raise mean
+        return mean
+
+    def _opened(self, name: str, folder: Path, space: Space | None) -> Array:
+        left = max(MOST_PICTURE_BYTES - self._used, 0)
+        data = read_bytes(path_beside(name, folder), left, "a picture")
+        self._used += len(data)
+        mean = picture_mean(data, None if space is None else space.curve)
+        if space is not None:
+            mean[:3] = space.from_primaries(mean[:3])
+        return mean
 
 
 def connected(element: Element) -> bool:
@@ -255,8 +285,8 @@ def _output(graph: Element, name: str | None) -> Element | None:
 
 
 def _part(whole: Reached, channel: str) -> Reached:
-    number = _CHANNELS.get(channel, 0)
-    if number >= len(whole.numbers):
+    number = _CHANNELS.get(channel)
+    if number is None or number >= len(whole.numbers):
         raise NotKnownError(f"a channel {printable(channel, 10)!r} that is not there")
     return Reached(whole.numbers[[number]], whole.pictures)
 

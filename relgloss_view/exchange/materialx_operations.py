@@ -78,6 +78,8 @@ def _saturated(x: Array, amount: Array) -> Array:
 
 
 def _swizzled(x: Array, channels: str) -> Array:
+    if len(channels) > 4:
+        raise ValueError("no type has more than four numbers")
     places = {"r": 0, "g": 1, "b": 2, "a": 3, "x": 0, "y": 1, "z": 2, "w": 3}
     values = [float(c) if c in "01" else float(x[places[c] if len(x) > 1 else 0]) for c in channels]
     return np.array(values)

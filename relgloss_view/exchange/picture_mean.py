@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -40,18 +42,28 @@ def _channels(data: bytes, kind: str) -> Array:
     from PIL import Image
 
     try:
-        with Image.open(io.BytesIO(data), formats=(kind,)) as image:
+        with _without_warnings(), Image.open(io.BytesIO(data), formats=(kind,)) as image:
             if image.width * image.height > MOST_PIXELS:
                 raise InputError("a texture has too many pixels; export smaller ones")
             image.draft("RGB", (MEAN_PX, MEAN_PX))
             # Gray of 16 bits, which Pillow would cut at 255 in place of scaling it.
             deep = image.mode.startswith("I")
-            picture = np.asarray(image if deep else image.convert("RGBA"))
+            step = max(1, int(math.sqrt(image.width * image.height) / (2 * MEAN_PX)))
+            size = (max(1, image.width // step), max(1, image.height // step))
+            # Made smaller before all pixels have four channels, which may be gigabytes.
+            some = image.resize(size, Image.Resampling.NEAREST) if step > 1 else image
+            pixels = np.asarray(some if deep else some.convert("RGBA"))
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
         raise InputError("a texture is broken; export it again") from error
-    step = max(1, int(math.sqrt(picture.shape[0] * picture.shape[1]) / (2 * MEAN_PX)))
-    pixels = picture[::step, ::step]
     if deep:
         gray = np.clip(pixels.ravel() / 65535.0, 0.0, 1.0)
         return np.stack([gray, gray, gray, np.ones_like(gray)], axis=-1)
     return np.asarray(pixels.reshape(-1, 4) / 255.0)
+
+
+@contextmanager
+def _without_warnings() -> Iterator[None]:
+    """Pillow prints one of a picture of many pixels; MOST_PIXELS is what counts here."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield

@@ -6,6 +6,7 @@ No search for a material here: the surface's own numbers are looked at.
 from __future__ import annotations
 
 import io
+import warnings
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -14,6 +15,7 @@ import pytest
 from PIL import Image
 
 from relgloss_view.base.errors import InputError
+from relgloss_view.exchange import materialx_nodes
 from relgloss_view.exchange.materialx_colour import SPACES
 from relgloss_view.exchange.materialx_models import MODELS
 from relgloss_view.exchange.materialx_values import Values
@@ -77,6 +79,8 @@ def test_a_connection_counts_before_a_value():
         node("extract", value("in", "0.1"), value("index", "-1")),
         node("add", value("in1", "1, 2"), value("in2", "1, 2, 3")),
         node("dot", link("in", "n")),
+        node("swizzle", value("in", "0.1, 0.2, 0.3", "color3")),  # without channels
+        node("swizzle", value("in", "1"), value("channels", 5 * "r", "string"), kind="unknown"),
         node("image", value("file", "../up.png", "filename")),
         node("image", value("file", "/etc/hostname", "filename")),
         node("image", value("file", "gone_&lt;UDIM&gt;.exr", "filename")),
@@ -130,6 +134,61 @@ def test_a_picture_counts_by_its_mean(tmp_path):
     assert "base_color: the mean of a.png stands for it" in lost
     # Negative control: without the folder no picture is opened.
     assert surface(inputs, nodes)[0].base_color == (0.8, 0.8, 0.8)
+
+
+def test_what_a_picture_node_multiplies_by_and_adds(tmp_path):
+    """Judge: the node graphs of MaterialX 1.39.5, libraries/bxdf."""
+    picture(tmp_path / "a.png", np.full((2, 2, 3), 51, dtype=np.uint8))  # 0.2
+
+    def read(tag, more, output):
+        nodes = f'<{tag} name="n">{value("file", "a.png", "filename")}{more}</{tag}>'
+        made, lost = surface(
+            link("specular_roughness", "n", more=f'output="{output}"'), nodes, tmp_path
+        )
+        return made.specular_roughness, lost
+
+    added = value("scale", "2, 2, 2, 1", "color4") + value("bias", "0.1, 0.1, 0.1, 0", "color4")
+    assert read("UsdUVTexture", added, "r")[0] == pytest.approx(0.5)
+    both = value("color", "2, 2, 2, 1", "color4") + value("geomcolor", "0.5, 1, 1, 1", "color4")
+    assert read("gltf_colorimage", both, "r")[0] == pytest.approx(0.2)
+    assert read("gltf_colorimage", both, "g")[0] == pytest.approx(0.4)
+    unfit, [line] = read("gltf_image", value("factor", "1, 1", "vector2"), "r")
+    assert unfit == 0.3  # the default of OpenPBR
+    assert "does not fit its inputs" in line
+
+
+def test_a_channel_that_nobody_knows_is_not_the_first(tmp_path):
+    nodes = '<constant name="c" type="color3">' + value("value", "0.7, 0.7, 0.7", "color3")
+    nodes += "</constant>" + node("separate3", link("in", "c", "color3"), kind="multioutput")
+    made, _ = surface(link("specular_roughness", "n", more='output="outr"'), nodes)
+    assert made.specular_roughness == pytest.approx(0.7)
+    made, [line] = surface(link("specular_roughness", "n", more='output="outq"'), nodes)
+    assert made.specular_roughness == 0.3
+    assert "a channel" in line
+
+
+def test_a_picture_that_is_broken_is_opened_once(tmp_path, monkeypatch):
+    (tmp_path / "a.png").write_bytes(b"no picture")
+    opened = []
+    monkeypatch.setattr(
+        materialx_nodes, "read_bytes", lambda *words: opened.append(words) or b"no picture"
+    )
+    nodes = node("image", value("file", "a.png", "filename"))
+    _, lost = surface(link("specular_roughness", "n") + link("coat_weight", "n"), nodes, tmp_path)
+    assert len(lost) == 2
+    assert len(opened) == 1
+
+
+def test_a_picture_of_many_pixels_takes_little_room_and_prints_nothing():
+    """Pillow warns from 89 million pixels on; all of them as RGBA would be 360 MB."""
+    file = io.BytesIO()
+    Image.new("1", (9500, 9500), 1).save(file, "PNG", compress_level=1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert picture_mean(file.getvalue(), None) == pytest.approx(np.ones(4))
+    # The control: Pillow itself warns of this file.
+    with pytest.warns(Image.DecompressionBombWarning):
+        Image.open(file)
 
 
 def test_the_mean_of_gray_of_sixteen_bits():

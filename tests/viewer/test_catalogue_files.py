@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import io
 import json
+import os
 import subprocess
 import sys
 import threading
@@ -108,6 +109,23 @@ def test_a_damaged_one_is_one_line_that_names_it(damage, tmp_path):
     assert "stock" in job.fault
     assert "\n" not in job.fault
     assert "the program failed" not in job.fault
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes with names")
+def test_a_pipe_in_the_place_of_the_mark_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "catalogue.json")
+    program = (
+        "import sys; from relgloss_view.catalogue.catalogue import Catalogue; "
+        "Catalogue.open(sys.argv[1])"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", program, str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=LIMIT_S,
+    )
+    assert "is no catalogue" in ended.stderr
 
 
 def test_a_folder_that_is_gone_is_one_line(tmp_path):
@@ -327,6 +345,17 @@ def test_another_query_ends_the_drawing_of_the_last(actions, drawings):
     settled_on(actions, NEAREST)
     actions.close()
     assert drawings[1].stopped
+
+
+def test_whoever_comes_back_to_a_query_gets_its_exact_order(actions, drawings):
+    settled_on(actions, NEAREST)
+    actions.ask("gloss 60 >")  # a fault, which is not searched for
+    assert drawings[0].stopped
+    settled_on(actions, NEAREST)
+    assert actions.refining
+    drawings[1].go.set()
+    refined(actions)
+    assert actions.found.is_exact
 
 
 def test_where_no_picture_can_be_drawn_the_order_stays_with_one_line(actions, drawings):

@@ -72,9 +72,10 @@ def answer(folder: str, stamp: str, query: str) -> None:
         from relgloss_view.catalogue.query.search import search
         from relgloss_view.quality.backends import open_renderer
 
+        catalogue = Catalogue.open(Path(folder))
+        # Only now, because a build may replace the table while it is read.
         if repr(stamp_of(os.path.join(folder, TABLE_FILE))) != stamp:
             raise InputError(f"{name}: was built again; Reload it")
-        catalogue = Catalogue.open(Path(folder))
         with open_renderer("auto") as renderer:
             found = search(catalogue, query, renderer=renderer, progress=progress)
         places = {str(row["path"]): k for k, row in enumerate(catalogue.rows)}

@@ -131,6 +131,8 @@ class CatalogueActions:
         )
         self.fault = None
         if self.asked != before:
+            if self.refining:
+                self._answered = None  # whoever comes back to it wants the exact order
             self._stop_drawing()
         try:
             _ = self.asked.query
