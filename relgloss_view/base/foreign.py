@@ -119,6 +119,22 @@ _ZEMAX_WORDS = (
     "scatterazimuth", "scatterradial", "databegin",
 )  # fmt: skip
 
+#: What JSON of other programs holds; every expression of an entry must be met.
+_JSON: tuple[tuple[tuple[bytes, ...], Foreign], ...] = (
+    (
+        (rb'"asset"\s*:', rb'"(accessors|bufferViews|meshes|materials|scenes)"\s*:'),
+        Foreign("a glTF file", _IMPORT),
+    ),
+    (
+        (rb'"(open_?pbr\w*|base_metalness|specular_roughness)"\s*:',),
+        Foreign(
+            "a material of OpenPBR in JSON",
+            "save it as MaterialX (.mtlx) and make a material of that with `relgloss import "
+            "FILE.mtlx -o NAME.json`",
+        ),
+    ),
+)
+
 _GROUND = re.MULTILINE | re.IGNORECASE
 #: What the lines of text formats begin with; every expression of an entry must be met.
 _TEXTS: tuple[tuple[tuple[str, ...], Foreign], ...] = (
@@ -198,6 +214,26 @@ def foreign_format(head: bytes) -> Foreign | None:
         return None
     text = decoded_beginning(head).replace("\r\n", "\n").replace("\r", "\n")
     return _of_text(text.lstrip())
+
+
+def foreign_json(data: bytes) -> Foreign | None:
+    """The format of another program that JSON shows by its keys, or None.
+
+    >>> foreign_json(b'{"asset": {"version": "2.0"}, "materials": []}').name
+    'a glTF file'
+    """
+    return next(
+        (foreign for keys, foreign in _JSON
+         if all(re.search(key, data, re.IGNORECASE) for key in keys)),
+        None,
+    )  # fmt: skip
+
+
+def refuse_foreign_json(data: bytes, path: object) -> None:
+    """Raise InputError, naming the format, where JSON is of another program."""
+    foreign = foreign_json(data)
+    if foreign is not None:
+        raise InputError(f"{path}: this looks like {foreign.name}; {foreign.remedy}")
 
 
 def refuse_foreign(head: bytes, path: object) -> None:

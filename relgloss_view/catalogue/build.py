@@ -34,7 +34,6 @@ from relgloss_view.material.material import Quality
 
 MOST_NAMED, LONGEST_PATH = 5, 400  #: of the files passed over
 GOOD = str(Quality.GOOD)
-GO_ON = "--keep-going goes on past faults"
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ class Report:
     """What a build has done. Counts are of files; equal files that share work count as one."""
 
     rows: int = 0  #: files of the tree that are in the table
-    done: int = 0
+    done: int = 0  #: in the table, or kept for it where a fault has ended the build
     failed: int = 0
     worked: int = 0  #: read, and fitted where they are tables
     drawn_again: int = 0  #: metered, matched and drawn alone, because the reference has changed
@@ -173,6 +172,8 @@ class _Build:
                 self.report.unchanged += 1
                 if kept.failed_in:
                     self._note_failed(entries, self.store.item(key))
+                else:
+                    self.report.done += len(entries)
             else:
                 look_only.append(key)
         return whole, look_only
@@ -210,6 +211,8 @@ class _Build:
         self.store.put(task.key, result, self.recipe)
         if result.failed:
             self._note_failed(entries, result)
+        else:
+            self.report.done += len(entries)
         self._finished += 1
         failed = len(self.report.faults)
         words = f"{self._finished:,} of {self._total:,}" + (f", {failed} failed" if failed else "")

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from relgloss_view.base.errors import InputError
 from relgloss_view.catalogue.columns import LAB, READINGS
 from relgloss_view.catalogue.one_thread import one_thread
 from relgloss_view.catalogue.recipe import Recipe
@@ -68,13 +69,21 @@ def reference_of(recipe: Recipe) -> Reference:
 
 
 def match_of(material: Material, recipe: Recipe, sigma_n_deg: float = 0.0) -> Matched:
-    """The setting that keeps a material's ratio of gloss to the recipe's reference."""
+    """The setting that keeps a material's ratio of gloss to the recipe's reference.
+
+    Raises InputError where its body is brighter than white.
+    """
     reference = reference_of(recipe)
     point = matched_point(reference, material, sigma_n_deg)
     if point.c is None:
         return Matched(None, None, min(reference.c, MOST_C), None)
     c = min(point.c, MOST_C)
     c_max = full_c(material)
+    if c_max < 0.0:  # no digit of a c that is so far from a highlight's says anything
+        raise InputError(
+            "its body is brighter than a white diffuser, so no picture shows its highlight; check "
+            "what the table holds (--quantity) and its white"
+        )
     return Matched(c, point.spread, min(c, c_max), c_max)
 
 

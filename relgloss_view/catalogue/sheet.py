@@ -19,8 +19,10 @@ from relgloss_view.material.material import Quality
 from relgloss_view.picture.output.contact_sheet import (
     INK_GRAY,
     PAPER_GRAY,
+    STRIP_PX,
     contact_sheet,
     gap_px,
+    plate,
     text_px,
 )
 from relgloss_view.picture.output.lettering import Lettering
@@ -62,6 +64,7 @@ def hits_sheet(found: Found, thumbnails: Mapping[str, bytes], size_px: int) -> B
         _rows([_fitted(text, letters, width) for text in captions], across),
         _fitted(title, Lettering(round(1.4 * letters.size)), room),
         _fitted(_note(hits, found, gloss), letters, room),
+        strip_px=0 if lines else STRIP_PX,
     )
 
 
@@ -89,7 +92,14 @@ def _place(
     pen = ImageDraw.Draw(place)
     ink = (INK_GRAY,) * 3
     if picture is None:
-        letters.draw(pen, (width / 2, size_px / 2), missing, ink, "mm")
+        half = 0.5 * letters.length(missing) + letters.size
+        middle = size_px / 2
+        plate(
+            pen, (width / 2 - half, middle - letters.size, width / 2 + half, middle + letters.size)
+        )
+        letters.draw(pen, (width / 2, middle), missing, ink, "mm")
+    if lines:
+        plate(pen, (0, size_px + STRIP_PX, width, place.height))
     for k, text in enumerate(texts):
         letters.draw(pen, (width / 2, size_px + (0.6 + k) * line), text, ink, "mm")
     return np.asarray(place)

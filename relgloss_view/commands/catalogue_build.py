@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
+from relgloss_view.base.shell import command_line
 from relgloss_view.base.terminal import Progress
 from relgloss_view.commands.fit_options import add_fit_options, fit_options
 from relgloss_view.commands.scene_options import SAMPLE_METAVAR
@@ -91,7 +92,7 @@ def add(commands: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Build, print the report; 1 where a file has failed."""
-    from relgloss_view.catalogue.build import GO_ON, BuildOptions, build, words_of
+    from relgloss_view.catalogue.build import BuildOptions, build, words_of
     from relgloss_view.catalogue.engine import EngineOptions
 
     recipe = recipe_from(args)
@@ -118,8 +119,13 @@ def run(args: argparse.Namespace) -> int:
     if more > 0:
         print_fault(f"{more:,} more faults; the table has them all in its column fault")
     if not report.is_complete:
+        which = "this fault" if len(report.faults) == 1 else "these faults"
+        words = list(args.argv)
+        words.insert(words.index("build") + 1, "--keep-going")
         print_fault(
-            f"{printable(args.output)}: the table is not written; what is done is kept, and {GO_ON}"
+            f"{printable(args.output)}: the table is not written, because of {which}; "
+            f"{report.done:,} of {report.rows:,} files are done and kept. Mend the file and build "
+            f"again, or go on without it: {command_line(['relgloss', *words])}"
         )
     return int(bool(report.faults))
 

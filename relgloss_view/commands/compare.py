@@ -15,6 +15,7 @@ from relgloss_view.base.terminal import Column, Progress, table, warn
 from relgloss_view.base.words import sentence_case
 from relgloss_view.base.writing import check_writable, together, whole_file
 from relgloss_view.commands.matched import add_reference_option, reference_look
+from relgloss_view.commands.outputs import files_behind, refuse_read
 from relgloss_view.commands.scene_options import (
     SAMPLE_METAVAR,
     add_scene_options,
@@ -109,6 +110,9 @@ def run(args: argparse.Namespace) -> int:
     look = dataclasses.replace(look, quality="exact")  # auto is measured on the split's picture
     words = args.sample_words or list(SAMPLES)
     arguments = sample_arguments(words, look, published=args.published, colour=colour_from(args))
+    files = files_behind((one.sample.file, one.sample.pack) for one in arguments)
+    for output in outputs:
+        refuse_read(output, [args.scene, *files])
     if len(arguments) * len(operators) > MOST_CELLS:
         raise InputError(
             f"{len(arguments)} samples x {len(operators)} operators: expected at most "

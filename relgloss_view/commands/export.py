@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from relgloss_view.base.errors import InputError
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import warn
-from relgloss_view.commands.outputs import check_output
+from relgloss_view.commands.outputs import check_output, files_behind, refuse_read
 
 if TYPE_CHECKING:
     from relgloss_view.exchange.formats import Format
@@ -91,6 +91,7 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Write the file, then print what is lost."""
     from relgloss_view.exchange.formats import MOST_PX, ExportOptions, format_of
+    from relgloss_view.material.material import Material
     from relgloss_view.pack.shape import Shape
 
     pixels = MOST_PX if args.pixels is None else args.pixels
@@ -100,6 +101,8 @@ def run(args: argparse.Namespace) -> int:
     chosen = format_of(path)
     check_output(args.output, [args.sample, args.grid or args.sample])
     what = sample_of(args.sample)
+    if not isinstance(what, Material):
+        refuse_read(args.output, files_behind([(None, what)]))
     options = ExportOptions(
         grid=args.grid,
         basis=args.basis,

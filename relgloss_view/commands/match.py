@@ -16,6 +16,7 @@ from relgloss_view.base.terminal import Column, Progress, ProgressReport, table,
 from relgloss_view.base.writing import check_writable, together
 from relgloss_view.commands.match_display import display_lines
 from relgloss_view.commands.match_pack import run_pack
+from relgloss_view.commands.outputs import refuse_read
 from relgloss_view.commands.scene_options import (
     SAMPLE_METAVAR,
     add_scene_options,
@@ -239,6 +240,8 @@ def _check_places(args: argparse.Namespace) -> None:
                 f"{option} {name or repr(name)}: expected a name that ends in {suffix}"
             )
         check_writable(name)
+    if args.output is not None:
+        refuse_read(args.output, [args.scene, args.pack, *(args.sample_words or [])])
 
 
 def _write_scene(

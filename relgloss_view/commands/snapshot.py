@@ -20,6 +20,7 @@ from relgloss_view.commands.operator_options import (
     displayed_by,
     operator_from,
 )
+from relgloss_view.commands.outputs import files_behind, refuse_read
 from relgloss_view.commands.scene_options import add_scene_options, printable_command, scene_from
 from relgloss_view.picture.scene.look import viewed_look
 
@@ -76,6 +77,8 @@ def _drawn(args: argparse.Namespace) -> int:
     if not operator.uses_c:  # the graininess stays, so that operators show the same surface
         look, picture = look.without_c() if picture is not None else look, None
     check_writable(output)
+    given = [args.scene, args.artwork, args.material, args.pack]
+    refuse_read(output, [*given, *files_behind([(None, scene.pack)])])
     format_ = "exr" if args.bits is None and output.suffix.lower() != ".png" else "png"
     use = format_ + ("16" if args.bits == 16 else "") if operator.name == SPLIT else operator.name
     samples = sample_count(scene, look, size)

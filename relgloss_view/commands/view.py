@@ -11,6 +11,7 @@ from relgloss_view.base.interruptions import checkpoint, pause
 from relgloss_view.base.reading import printable
 from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.base.writing import check_writable
+from relgloss_view.commands.outputs import refuse_read
 from relgloss_view.commands.scene_options import add_colour_options, colour_from, size_of_text
 from relgloss_view.picture.scene.options import OPTIONS
 
@@ -95,6 +96,7 @@ def _screenshot(args: argparse.Namespace) -> int:
         named = args.screenshot or "''"
         raise InputError(f"--screenshot {named}: expected a name that ends in .png")
     check_writable(args.screenshot)
+    refuse_read(args.screenshot, args.files)
     displays = _displays(args)
     opened = _opened(args.files)
     from relgloss_view.viewer.shell.app import App

@@ -23,8 +23,9 @@ from relgloss_view.exchange.gltf_maps import Maps, image_file, maps_of, texture_
 from relgloss_view.exchange.gltf_refit import refit_gltf
 from relgloss_view.exchange.loss import LAMP
 from relgloss_view.exchange.own import EXTRAS, own_numbers
-from relgloss_view.exchange.refit import Refit
+from relgloss_view.exchange.refit import Refit, said_once
 from relgloss_view.material.material import Material
+from relgloss_view.pack.check import placement_notes
 from relgloss_view.pack.label import Label, label_of
 from relgloss_view.pack.layers import layers_of
 from relgloss_view.pack.mesh import Mesh
@@ -129,11 +130,11 @@ def _pack(pack: Pack, most_px: int, bare: bool) -> tuple[bytes, Exported]:
     mesh = triangles_of(pack.shape)
     _put_mesh(builder, mesh, pack.name, numbers, textured)
     outside = max(maps.outside for maps, _ in made.values())
-    lines = [
-        f"{printable(pack.finishes[k].name, 60)}: {line}"
+    lines = said_once(
+        (printable(pack.finishes[k].name, 60), refits[k].lines[:2] + refits[k].notes)
         for k in sorted(lying)
-        for line in refits[k].lines[:2] + refits[k].notes
-    ]
+    )
+    lines += [text.rstrip(".") for text in placement_notes(pack)]
     lines += [*PACK_LINES, _size_line(mesh)]
     if outside > 0.0:
         lines.append(f"{100.0 * outside:.1f} % of the label is outside sRGB and is cut to it")

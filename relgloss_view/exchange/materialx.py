@@ -15,7 +15,7 @@ from relgloss_view.base.writing import whole_file
 from relgloss_view.exchange.formats import Exported, ExportOptions
 from relgloss_view.exchange.openpbr import OpenPbr
 from relgloss_view.exchange.own import own_numbers, rounded
-from relgloss_view.exchange.refit import Refit, refit_openpbr
+from relgloss_view.exchange.refit import Refit, refit_openpbr, said_once
 from relgloss_view.material.material import Material
 from relgloss_view.pack.pack import Pack
 
@@ -51,7 +51,7 @@ def write(what: Material | Pack, path: Path, options: ExportOptions) -> Exported
         parts.append(_Part(_identifier(name, taken), material, refit_openpbr(material)))
     with whole_file(path) as temporary:
         temporary.write_text(_document(parts, options.bare), encoding="utf-8", newline="\n")
-    lines = [f"{part.name}: {line}" for part in parts for line in part.refit.lines]
+    lines = said_once((part.name, part.refit.lines) for part in parts)
     return Exported((*lines, *notes), {part.name: part.refit.loss for part in parts})
 
 

@@ -131,7 +131,8 @@ class OpenPbr:
         x = np.minimum(t.cos_d, 1.0)[..., None]
         edge = f0 + (1.0 - f0) * (1.0 - EDGE) ** 5
         lack = edge * (1.0 - np.asarray(self.specular_color)) / (EDGE * (1.0 - EDGE) ** 6)
-        fresnel = f0 + (1.0 - f0) * (1.0 - x) ** 5 - lack * x * (1.0 - x) ** 6
+        bent = f0 + (1.0 - f0) * (1.0 - x) ** 5 - lack * x * (1.0 - x) ** 6
+        fresnel = np.maximum(bent, 0.0)  # black in both colours, the formula takes light away
         single = ggx.density(t.cos_h, alpha) * ggx.shadowing(t, alpha)
         whole = albedo(t.mu_o, alpha, 1.0)
         more = 1.0 + fresnel * ((1.0 - whole) / whole)[..., None]
@@ -184,5 +185,6 @@ def dielectric(t: ggx.Turn, alpha: float, index: float, weight: float = 1.0) -> 
     whole = albedo(t.mu_o, alpha, 1.0)
     more = 1.0 + fresnel * (1.0 - whole) / whole
     single = ggx.density(t.cos_h, alpha) * ggx.shadowing(t, alpha)
-    passed = 1.0 - weight * more * albedo(t.mu_o, alpha, ggx.head_on(index))
+    # The fit of the albedo can lie a little above 1 for a mirror.
+    passed = np.maximum(1.0 - weight * more * albedo(t.mu_o, alpha, ggx.head_on(index)), 0.0)
     return weight * single * fresnel * more, passed

@@ -8,6 +8,7 @@ one lobe and for two, and the way that loses least is taken.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -53,6 +54,18 @@ class Refit:
             for way in self.others
         )
         return (*taken, *((f"tried, and loses more: {passed}",) if passed else ()), *self.notes)
+
+
+def said_once(named: Iterable[tuple[str, Iterable[str]]]) -> list[str]:
+    """Lines of several materials, each after its name; equal ones once, after all their names.
+
+    >>> said_once([("lid", ["dull", "flat"]), ("label", ["white"]), ("base", ["dull", "flat"])])
+    ['lid, base: dull', 'lid, base: flat', 'label: white']
+    """
+    names: dict[tuple[str, ...], list[str]] = {}
+    for name, lines in named:
+        names.setdefault(tuple(lines), []).append(name)
+    return [f"{', '.join(names[lines])}: {line}" for lines in names for line in lines]
 
 
 def linear_rgb(spectrum: Array, material: Material) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,11 +21,12 @@ from relgloss_view.gloss.comparison import (
     OperatorRow,
 )
 from relgloss_view.gloss.samples import gloss_words
-from relgloss_view.picture.output.contact_sheet import INK_GRAY, PAPER_GRAY, gray_on
+from relgloss_view.picture.output.contact_sheet import INK_GRAY, PAPER_GRAY, gray_on, plate
 from relgloss_view.picture.output.lettering import Lettering
 
 MUTED_GRAY = 208
 LINE_GRAY = 140
+PLATE_EDGE_PX = 6  #: that a plate is wider than its text on each side
 NO_BREAK = "\u00a0"  #: a space at which no line ends
 MEASURES = {
     "highlight": "what the highlight adds",
@@ -59,7 +61,7 @@ def body_words(row: OperatorRow) -> str:
 
 @dataclass
 class _Pen:
-    """Writes lines downwards from a place, wrapped to a width."""
+    """Writes lines downwards from a place, wrapped to a width, on a plate of that width."""
 
     draw: Any
     x: float
@@ -70,11 +72,18 @@ class _Pen:
     def write(self, text: str, font: Lettering, gray: int = INK_GRAY) -> None:
         ink = gray_on(self.display, gray)
         for line in self._wrapped(text, font):
+            self._plate(1.35 * font.size)
             font.draw(self.draw, (self.x, self.y), line.replace(NO_BREAK, " "), ink)
             self.y += 1.35 * font.size
 
     def skip(self, pixels: float) -> None:
+        self._plate(pixels)
         self.y += pixels
+
+    def _plate(self, tall: float) -> None:
+        """The plate below the next pixels; it hides nothing of the lines above."""
+        left, right = self.x - PLATE_EDGE_PX, self.x + self.width + PLATE_EDGE_PX
+        plate(self.draw, (left, math.ceil(self.y), right, self.y + tall), self.display)
 
     def _wrapped(self, text: str, font: Lettering) -> list[str]:
         lines: list[str] = []
@@ -121,8 +130,10 @@ def comparison_sheet(comparison: Comparison, title: str, note: str) -> Bytes:
         for x, drawn in zip(x_of, comparison.samples, strict=True):
             content = row.cells[drawn.sample.label]
             sheet.paste(Image.fromarray(content.picture), (round(x), round(y)))
-            _caption(_Pen(draw, x, y + height + 0.3 * line, cell + gap, display), content, small)
-    _Pen(draw, gap, sheet.height - 1.7 * line, sheet.width, display).write(note, small, MUTED_GRAY)
+            _caption(_Pen(draw, x, y + height + 0.3 * line, cell, display), content, small)
+    _Pen(draw, gap, sheet.height - 1.7 * line, sheet.width - 2 * gap, display).write(
+        note, small, MUTED_GRAY
+    )
     return np.asarray(sheet)
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.foreign import HEAD_BYTES, refuse_foreign
+from relgloss_view.base.foreign import HEAD_BYTES, refuse_foreign, refuse_foreign_json
 from relgloss_view.base.json_files import parse_json
 from relgloss_view.base.reading import printable, read_beginning, read_text, refuse, text
 from relgloss_view.base.writing import whole_file
@@ -125,6 +125,8 @@ def load_material(path: str | os.PathLike[str]) -> Material:
         )
     except InputError as error:
         raise InputError(f"{path}: {error}; {remedy}") from error
+    if isinstance(content, dict) and "format" not in content:
+        refuse_foreign_json(read.encode("utf-8", "surrogatepass"), path)
     try:
         _refuse_surrogates(content, read)
         return material_from_dict(content)

@@ -244,6 +244,15 @@ def outside_srgb(xyz: Array, alpha: Array) -> float:
     return float(np.mean(np.any((rgb < -GAMUT) | (rgb > 1.0 + GAMUT), axis=-1)))
 
 
+def placement_notes(pack: Pack) -> tuple[str, ...]:
+    """How the artwork's size was chosen, and where it does not fit the label, a sentence each."""
+    label = label_of(pack.shape)
+    if pack.artwork is None or not any(label.printed):
+        return ()
+    width_m, height_m = label.size_m
+    return (*pack.artwork.notes, *_sizes(pack, (1e3 * width_m, 1e3 * height_m), label.around))
+
+
 def _sizes(pack: Pack, label_mm: tuple[float, float], around: bool) -> list[str]:
     """Where the artwork is short of the label, or does not meet itself around the form."""
     assert pack.artwork is not None

@@ -362,6 +362,14 @@ def _finish_entries(pack: Pack, finish: Finish, folder: Path) -> dict[str, Any]:
     return table
 
 
+def files_of(pack: Pack) -> tuple[str, ...]:
+    """The files that a pack was read from: pack file, artwork, mesh, masks."""
+    artwork = () if pack.artwork is None or not pack.artwork.file else (pack.artwork.file,)
+    own = (pack.file,) if pack.file else ()
+    mesh = (pack.shape.file,) if pack.shape.file else ()
+    return (*own, *artwork, *mesh, *(beside(pack, mask) for mask in pack.masks))
+
+
 def beside(pack: Pack, name: str) -> str:
     """The path of a file that a pack names, from the folder of its pack file."""
     return str(Path(pack.file).parent / name) if pack.file else name

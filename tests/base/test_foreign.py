@@ -8,8 +8,16 @@ import zipfile
 import pytest
 
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.foreign import HEAD_BYTES, foreign_format, refuse_foreign
+from relgloss_view.base.foreign import (
+    HEAD_BYTES,
+    foreign_format,
+    foreign_json,
+    refuse_foreign,
+)
 from relgloss_view.base.resources import asset
+from relgloss_view.material.files import load_material
+from relgloss_view.measure.readers import read_measurement
+from relgloss_view.picture.scene import file_kinds
 
 ZEMAX = """\
 #Data from a scatterometer
@@ -135,3 +143,17 @@ def test_binary_brdfs_and_hdf5_below_a_block_of_the_users():
 def test_lines_of_any_end_are_recognised(end):
     text = "TITLE x\nVARS theta_i,phi_i,theta_s,phi_s,R,G,B\n"
     assert foreign_format(text.replace("\n", end).encode()).key == "e1392"
+
+
+def test_json_of_other_programs_is_named_with_the_command_that_reads_it(tmp_path):
+    path = tmp_path / "a.json"
+    for text, words in (
+        ('{"scenes": [], "asset": {"version": "2.0"}}', "looks like a glTF file.*relgloss import"),
+        ('{"open_pbr_surface": {"base_weight": 1}}', "OpenPBR in JSON.*MaterialX.*relgloss import"),
+    ):
+        path.write_text(text)
+        for reads in (file_kinds.likely_kind, load_material, read_measurement):
+            with pytest.raises(InputError, match=words):
+                reads(path)
+    assert foreign_json(b'{"asset": 1}') is None
+    assert foreign_json(b'{"format": "relgloss-material", "materials": []}') is None

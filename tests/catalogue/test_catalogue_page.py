@@ -144,6 +144,26 @@ def test_the_colour_filter_finds_what_python_finds(page_browser, written, done):
     assert paths_shown(page_browser) == expected
 
 
+def test_a_colour_can_be_typed_number_by_number(page_browser, written):
+    emulate(page_browser, 1400, 900)
+    at(page_browser, written)
+    before = len(paths_shown(page_browser))
+    call(page_browser, "() => document.querySelector('.colour input').focus()")
+    keys = ActionChains(page_browser.driver)
+    keys.send_keys("60", Keys.TAB, "5", Keys.TAB, "5", Keys.TAB, Keys.END, Keys.BACKSPACE, "15")
+    keys.perform()
+    typed = "() => [...document.querySelectorAll('.colour input')].map((f) => f.value)"
+    assert call(page_browser, typed) == ["60", "5", "5", "15"]
+    painted = "() => new Promise((done) => requestAnimationFrame(() => setTimeout(done)))"
+    call(page_browser, painted)
+    shown = paths_shown(page_browser)
+    assert 3 < len(shown) < before
+    call(page_browser, "() => document.getElementById('clear').click()")
+    assert call(page_browser, typed)[:3] == ["", "", ""]
+    at(page_browser, written, "#lab=60,5,5&within=15")
+    assert set(paths_shown(page_browser)) == set(shown)
+
+
 @pytest.mark.parametrize(("down", "sign"), [("", 1), ("&down=1", -1)])
 def test_columns_sort_both_ways_with_missing_values_last(page_browser, written, done, down, sign):
     at(page_browser, written, "#view=table&sort=L_star" + down)

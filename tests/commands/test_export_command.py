@@ -6,7 +6,9 @@ import json
 
 import pytest
 
+from relgloss_view.base.errors import InputError
 from relgloss_view.cli import main
+from relgloss_view.commands.outputs import files_behind, refuse_read
 from relgloss_view.material.files import load_material
 
 
@@ -89,3 +91,48 @@ def test_options_of_other_formats_are_named(tmp_path, monkeypatch, capsys):
     error = capsys.readouterr().err
     assert "--basis changes nothing in a file of CSV" in error
     assert "--grid" not in error
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("snapshot", "--artwork", "a.png", "--size", "32x32", "-o", "a.png"),
+        ("snapshot", "--pack", "can.toml", "--size", "32x32", "-o", "a.png"),
+        ("snapshot", "--pack", "can.toml", "--size", "32x32", "-o", "link.png"),
+        ("compare", "can.toml", "-o", "a.png"),
+        ("match", "a.png", "-o", "a.png"),
+        ("view", "a.png", "--screenshot", "a.png"),
+    ],
+)
+def test_no_artwork_is_replaced_by_a_picture_of_it(words, tmp_path, monkeypatch, capsys):
+    """A pack beside its artwork of the same name is what `pack new` makes."""
+    from PIL import Image
+
+    monkeypatch.chdir(tmp_path)
+    Image.new("RGB", (16, 16), (200, 30, 30)).save("a.png")
+    (tmp_path / "link.png").symlink_to("a.png")
+    assert main(["pack", "new", "a.png", "-o", "can.toml"]) == 0
+    before = (tmp_path / "a.png").read_bytes()
+    assert main([*words]) == 1
+    assert "this is the file that is read" in capsys.readouterr().err
+    assert (tmp_path / "a.png").read_bytes() == before
+
+
+def test_the_mesh_of_a_pack_is_read_too(tmp_path):
+    """`export can.toml -o can.glb` would replace a designer's own can.glb."""
+    from relgloss_view.pack.built_in import load_finish
+    from relgloss_view.pack.finish import Finish
+    from relgloss_view.pack.pack import Pack
+    from relgloss_view.pack.shape import Shape
+
+    mesh, link, other = tmp_path / "can.obj", tmp_path / "link.obj", tmp_path / "other.obj"
+    mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", encoding="utf-8")
+    link.hardlink_to(mesh)
+    other.write_bytes(mesh.read_bytes())
+    board = Finish("board", "stock", load_finish("bare-board"), "bare-board")
+    pack = Pack("can", Shape("mesh", file=str(mesh), unit="m"), (board,))
+    files = files_behind([("can.json", None), (None, pack)])
+    assert files == ["can.json", str(mesh)]
+    with pytest.raises(InputError, match="this is the file that is read"):
+        refuse_read(link, files)
+    refuse_read(other, files)

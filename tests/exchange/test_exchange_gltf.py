@@ -205,7 +205,9 @@ def test_the_loss_of_each_finish_is_in_the_file_and_in_the_lines(can_glb):
     assert "matt ink" in own["losses"]
     for name, loss in exported.losses.items():
         assert own["losses"][name]["de2000_p95"] == loss.de2000_p95
-        assert any(line.startswith(f"{name}: fitted with") for line in exported.lines)
+        heads = [line.split(": ")[0] for line in exported.lines if ": fitted with" in line]
+        assert sum(name in head.split(", ") for head in heads) == 1
+    assert "metal lid, metal base" in heads  # one silver, said once
     body = next(m for m in content["materials"] if m["name"] == "body")
     assert body["extras"]["relgloss"]["finishes"] == ["matt ink", "gold foil", "spot gloss"]
 

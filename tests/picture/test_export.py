@@ -16,11 +16,19 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.display.display import Display
 from relgloss_view.display.icc_writing import matrix_profile
 from relgloss_view.display.model import DisplayModel
+from relgloss_view.fitting.estimate import report as estimate_report
+from relgloss_view.gloss import comparison_sheet
 from relgloss_view.operators.registry import make_operator
 from relgloss_view.pack.shape import Shape
 from relgloss_view.picture.displayed import cut_out
 from relgloss_view.picture.model.tone import encode
-from relgloss_view.picture.output.contact_sheet import contact_sheet, thumbnail
+from relgloss_view.picture.output.contact_sheet import (
+    INK_GRAY,
+    PAPER_GRAY,
+    PLATE_GRAY,
+    contact_sheet,
+    thumbnail,
+)
 from relgloss_view.picture.output.export import save_frame
 from relgloss_view.picture.output.exr import LAYERS
 from relgloss_view.picture.output.parameters import parameters
@@ -213,6 +221,33 @@ def test_sheet_holds_the_pictures_unchanged():
     # Everything around the pictures is neutral.
     gray = sheet[-20:]
     assert np.array_equal(gray[..., 0], gray[..., 1])
+
+
+def contrast(one: int, other: int) -> float:
+    """Contrast of two grays of sRGB by WCAG 2.2."""
+    dark, light = sorted(
+        (v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4)
+        for v in (one / 255.0, other / 255.0)
+    )
+    return (light + 0.05) / (dark + 0.05)
+
+
+def test_text_on_sheets_can_be_read():
+    assert contrast(0, 255) == 21.0
+    assert contrast(PAPER_GRAY, 255) < 4.5  # so that no ink is light enough without a plate
+    assert contrast(PLATE_GRAY, INK_GRAY) >= 4.5
+    for muted in (comparison_sheet.MUTED_GRAY, estimate_report.MUTED_GRAY):
+        assert contrast(PLATE_GRAY, muted) >= 4.5
+    sheet = contact_sheet([[np.zeros((90, 120, 3), np.uint8)]], [["a caption"]], "title", "note")
+    light = np.argwhere(sheet[..., 0] > 200)  # letters; what is near them is a plate
+    assert len(light) > 100
+    for y, x in light[::7]:
+        assert PLATE_GRAY in sheet[max(y - 4, 0) : y + 5, max(x - 4, 0) : x + 5, 0]
+    # The surround is what touches a picture, on all sides.
+    ys, xs = np.nonzero(sheet[..., 0] == 0)
+    around = sheet[ys.min() - 1 : ys.max() + 2, xs.min() - 1 : xs.max() + 2, 0]
+    for edge in (around[0], around[-1], around[:, 0], around[:, -1]):
+        assert np.unique(edge).tolist() == [PAPER_GRAY]
 
 
 def test_the_former_name_of_a_keyword_still_works(tmp_path, renderer):

@@ -113,19 +113,20 @@ def test_a_damaged_one_is_one_line_that_names_it(damage, tmp_path):
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes with names")
 def test_a_pipe_in_the_place_of_the_mark_is_not_waited_for(tmp_path):
+    from relgloss_view.catalogue.catalogue import Catalogue
+
     os.mkfifo(tmp_path / "catalogue.json")
-    program = (
-        "import sys; from relgloss_view.catalogue.catalogue import Catalogue; "
-        "Catalogue.open(sys.argv[1])"
-    )
-    ended = subprocess.run(
-        [sys.executable, "-c", program, str(tmp_path)],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=LIMIT_S,
-    )
-    assert "is no catalogue" in ended.stderr
+    faults = []
+
+    def open_it():
+        with pytest.raises(InputError) as fault:
+            Catalogue.open(tmp_path)
+        faults.append(str(fault.value))
+
+    opener = threading.Thread(target=open_it, daemon=True)
+    opener.start()
+    opener.join(LIMIT_S)
+    assert "is no catalogue" in "".join(faults)
 
 
 def test_a_folder_that_is_gone_is_one_line(tmp_path):

@@ -64,8 +64,11 @@ def _cell(value: Any, column: Mapping[str, Any]) -> str:
     return "\u2013" if value in (None, "") else str(value)
 
 
-def failed_list(failed: Sequence[Hit]) -> str:
-    """The files that could not be read, each with its fault; '' for none."""
+def failed_list(failed: Sequence[Hit], *, is_open: bool = False) -> str:
+    """The files that could not be read, each with its fault; '' for none.
+
+    is_open: where there is nothing else on the page.
+    """
     if not failed:
         return ""
     items = "".join(
@@ -75,6 +78,7 @@ def failed_list(failed: Sequence[Hit]) -> str:
     )
     count = say("failed.one") if len(failed) == 1 else say("failed", count=len(failed))
     return (
-        f'<details class="failed" id="failed"><summary>{text(count)}</summary>\n'
+        f'<details class="failed" id="failed"{" open" if is_open else ""}>'
+        f"<summary>{text(count)}</summary>\n"
         f"<ul>{items}</ul></details>\n"
     )

@@ -87,7 +87,7 @@ def page_of(found: Found, catalogue: Searched, path: Path, proofs: Mapping[str, 
         plain_table(pictures, table, facts),
         f'</main></div>\n<div id="tray" role="region" aria-label="{html_value(say("tray"))}" '
         "hidden></div>\n",
-        failed_list(failed),
+        failed_list(failed, is_open=not hits),
         '<p id="live" class="unseen" role="status" aria-live="polite"></p>\n',
         _block("words", dict(sentences())),
         _block("rows", table),

@@ -21,7 +21,11 @@ from relgloss_view.gloss.meter.meter import specular_gloss
 from relgloss_view.material.estimated import EstimateRecord
 from relgloss_view.material.material import Material
 from relgloss_view.picture.frame import Frame
-from relgloss_view.picture.output.contact_sheet import INK_GRAY, PAPER_GRAY
+from relgloss_view.picture.output.contact_sheet import (
+    INK_GRAY,
+    PAPER_GRAY,
+    plate,
+)
 from relgloss_view.picture.output.lettering import Lettering
 from relgloss_view.picture.output.png import save_rgb
 from relgloss_view.picture.pair import common_factor
@@ -121,13 +125,17 @@ def _sheet(
     image = Image.new("RGB", (total, below + len(folded) * line + GAP), (PAPER_GRAY,) * 3)
     pen = ImageDraw.Draw(image)
     title = _folded(title, heading, total - 2 * GAP)[0]
-    heading.draw(pen, (GAP, GAP), title, (INK_GRAY,) * 3)
+    plate(pen, (0, 0, total, top - GAP // 2))
+    heading.draw(pen, (GAP, GAP // 2), title, (INK_GRAY,) * 3)
     for k, (picture, lines) in enumerate(zip(pictures, captions, strict=True)):
         x = GAP + k * (width + GAP)
         image.paste(Image.fromarray(np.ascontiguousarray(picture)), (x, top))
+        under = top + height
+        plate(pen, (x, under + GAP // 4, x + width, under + GAP // 2 + rows * line))
         for j, words in enumerate(lines):
-            place = (x, top + height + GAP // 2 + j * line)
+            place = (x + GAP // 4, under + GAP // 2 + j * line)
             text.draw(pen, place, words, (INK_GRAY if j == 0 else MUTED_GRAY,) * 3)
+    plate(pen, (0, below - GAP // 4, total, image.height))
     for j, words in enumerate(folded):
         text.draw(pen, (GAP, below + j * line), words, (INK_GRAY,) * 3)
     return np.asarray(image)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from relgloss_view.base.decoding import wide_encoding
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.foreign import HEAD_BYTES, foreign_format
+from relgloss_view.base.foreign import HEAD_BYTES, foreign_format, refuse_foreign_json
 from relgloss_view.base.reading import decoding, read_beginning
 from relgloss_view.measure.quantity import BRDF
 from relgloss_view.measure.readers import (
@@ -154,6 +154,7 @@ def _refuse_no_table(path: Path, head: bytes) -> None:
             f"draw it with `relgloss snapshot --material`"
         )
     if text.startswith((b"{", b"[{")):
+        refuse_foreign_json(text, path)
         raise InputError(f"{path}: this looks like JSON; give a measured table as CSV")
 
 

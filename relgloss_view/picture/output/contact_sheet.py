@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +17,10 @@ from relgloss_view.picture.model.tone import encode, neutral_digital
 from relgloss_view.picture.output.lettering import Lettering
 
 PAPER_GRAY = 119  #: sRGB of L* 50
+#: Below each text: white itself has a contrast of 4.48 on L* 50. INK_GRAY has 6.9 on this one.
+PLATE_GRAY = 84
 INK_GRAY = 245
+STRIP_PX = 3  #: of the surround between a picture and the plate below it
 
 
 def gray_on(display: Display, gray: int) -> tuple[int, int, int]:
@@ -49,6 +54,22 @@ def thumbnail(frame: Frame, longest_px: int, displayed: Displayed | None = None)
     return np.asarray(np.floor(255.0 * digital + 0.5).astype(np.uint8))
 
 
+def plate(
+    pen: Any,
+    box: tuple[float, float, float, float],
+    display: Display | None = None,
+) -> None:
+    """Fill a box (left, top, right, bottom; pixels) below a text, with a Pillow ImageDraw.
+
+    Pictures keep a strip of the surround between them and a plate.
+    """
+    left, top, right, bottom = box
+    pen.rectangle(
+        (math.floor(left), math.floor(top), math.ceil(right) - 1, math.ceil(bottom) - 1),
+        fill=gray_on(display or Display(), PLATE_GRAY),
+    )
+
+
 def text_px(width_px: int) -> int:
     """Height of the letters on a sheet of pictures of a width."""
     return max(11, min(18, width_px // 14))
@@ -66,11 +87,13 @@ def contact_sheet(
     note: str = "",
     *,
     display: Display | None = None,
+    strip_px: int = STRIP_PX,
 ) -> Bytes:
     """Equal-sized 8-bit pictures (H, W, 3) on one sheet; returns its pixels (H, W, 3).
 
     display: that the pictures are for; sRGB where none is given. The sheet has L* 50 on it, and
-    text is gray, so that no colour is near a picture.
+    text is light gray on darker plates, so that no colour is near a picture. strip_px: of the
+    surround between a picture and the plate below it.
     """
     from PIL import Image, ImageDraw
 
@@ -91,12 +114,19 @@ def contact_sheet(
     )
     pen = ImageDraw.Draw(sheet)
     ink = gray_on(display or Display(), INK_GRAY)
-    heading.draw(pen, (gap, (top - 1.4 * letter_px) / 2), title, ink)
+    if title:
+        plate(pen, (0, 0, sheet.width, top - gap), display)
+    heading.draw(pen, (gap, (top - gap - 1.4 * letter_px) / 2), title, ink)
     for r, (row, texts) in enumerate(zip(rows, captions, strict=True)):
         for k, (picture, text) in enumerate(zip(row, texts, strict=True)):
             x, y = gap + k * (width + gap), top + r * (height + caption_px + gap)
             sheet.paste(Image.fromarray(np.ascontiguousarray(picture)), (x, y))
-            place = (x + width / 2, y + height + caption_px / 2)
+            if text:
+                below = y + height + strip_px
+                plate(pen, (x, below, x + width, y + height + caption_px), display)
+            place = (x + width / 2, y + height + (strip_px + caption_px) / 2)
             font.draw(pen, place, text, ink, "mm")
-    font.draw(pen, (gap, sheet.height - bottom / 2), note, ink, "lm")
+    if note:
+        plate(pen, (0, sheet.height - bottom + gap / 2, sheet.width, sheet.height), display)
+    font.draw(pen, (gap, sheet.height - (bottom - gap / 2) / 2), note, ink, "lm")
     return np.asarray(sheet)

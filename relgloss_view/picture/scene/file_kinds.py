@@ -8,7 +8,12 @@ from pathlib import Path
 
 from relgloss_view.base.decoding import first_byte_of_no_text
 from relgloss_view.base.errors import InputError
-from relgloss_view.base.foreign import HEAD_BYTES, foreign_format, refuse_foreign
+from relgloss_view.base.foreign import (
+    HEAD_BYTES,
+    foreign_format,
+    refuse_foreign,
+    refuse_foreign_json,
+)
 from relgloss_view.base.reading import printable, read_beginning
 from relgloss_view.base.toml import parse_toml
 from relgloss_view.material.files import FORMAT
@@ -85,6 +90,7 @@ def _check_material(file: Path) -> None:
     data = read_beginning(file, MAX_MATERIAL_BYTES + 1, EXPECTED)
     if len(data) <= MAX_MATERIAL_BYTES and FORMAT.encode() in data:
         return
+    refuse_foreign_json(data, file)
     raise InputError(
         f"{file}: this looks like JSON, but not like a material, which holds "
         f'"format": "{FORMAT}"; give {EXPECTED}'

@@ -18,7 +18,7 @@ from relgloss_view.base.arrays import Bytes
 from relgloss_view.base.reading import printable
 from relgloss_view.pack.finish import Finish
 from relgloss_view.pack.pack import Pack
-from relgloss_view.pack.pack_file import beside
+from relgloss_view.pack.pack_file import beside, files_of
 from relgloss_view.viewer.files.background import Worker
 from relgloss_view.viewer.state import packs
 from relgloss_view.viewer.state.model import Model
@@ -35,14 +35,6 @@ def stamp_of(path: str) -> Stamp | None:
     except (OSError, ValueError):
         return None
     return state.st_mtime_ns, state.st_size
-
-
-def files_of(pack: Pack) -> tuple[str, ...]:
-    """The files that a pack was read from: pack file, artwork, mesh, masks."""
-    artwork = () if pack.artwork is None or not pack.artwork.file else (pack.artwork.file,)
-    own = (pack.file,) if pack.file else ()
-    mesh = (pack.shape.file,) if pack.shape.file else ()
-    return (*own, *artwork, *mesh, *(beside(pack, mask) for mask in pack.masks))
 
 
 class Poll:

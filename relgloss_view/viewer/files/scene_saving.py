@@ -13,9 +13,9 @@ from relgloss_view.base.errors import InputError
 from relgloss_view.material.spectra import is_lamp_name
 from relgloss_view.pack.built_in import FINISHES
 from relgloss_view.pack.pack import Pack
+from relgloss_view.pack.pack_file import files_of
 from relgloss_view.picture.scene.sample import Sample
 from relgloss_view.viewer.files.own_materials import keep_beside
-from relgloss_view.viewer.files.pack_edits import files_of
 from relgloss_view.viewer.state import packs
 from relgloss_view.viewer.state.places import data_folder
 from relgloss_view.viewer.state.state import SIDES, State

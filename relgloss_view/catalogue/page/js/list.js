@@ -1,6 +1,6 @@
 // The hits as a grid of pictures or as a table: only the lines in view are elements.
 
-import { COLUMN, COLUMNS, MISSING, fact, pictureOf, words } from "./data.js";
+import { COLUMN, COLUMNS, COUNT, MISSING, fact, pictureOf, words } from "./data.js";
 import { byId, make } from "../../../base/js/elements.js";
 import { say } from "../../../base/js/sentences.js";
 
@@ -181,7 +181,8 @@ export class List {
   }
 
   nothing() {
-    const text = make("p", { class: "none", text: say("none") });
+    const empty = byId("failed") ? "none.read" : "none.at.all"; // of a page without samples
+    const text = make("p", { class: "none", text: say(COUNT ? "none" : empty) });
     return this.asked.view === "grid" ? text : make("tr", {}, make("td", { colspan: this.columns.length + 2 }, text));
   }
 

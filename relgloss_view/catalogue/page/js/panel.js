@@ -116,20 +116,26 @@ function colourControl(change) {
   });
   const parts = ["L*", "a*", "b*"].map(field), within = field(say("within"));
   within.min = 0;
+  const typed = () => parts.map(({ value }) => (value === "" ? NaN : Number(value)));
+  const blank = () => parts.forEach((part) => { part.value = ""; });
   function take() {
-    const lab = parts.map(({ value }) => (value === "" ? NaN : Number(value)));
+    const lab = typed();
     const most = within.value === "" ? NaN : Number(within.value);
     change(lab.every(Number.isFinite) ? lab : null, most >= 0 ? most : 3);
   }
   const clear = make("button", { type: "button", class: "button", text: say("colour.clear"), on: { click: () => {
-    for (const part of parts) part.value = "";
+    blank();
     take();
   } } });
   const element = make("fieldset", { class: "colour" }, make("legend", { text: say("colour") }),
     make("div", { class: "typed" }, ...parts),
     make("label", { class: "typed" }, make("span", { text: say("within") }), within), clear);
+  byId("clear").addEventListener("click", blank);
   const show = (lab, most) => {
-    parts.forEach((part, k) => { if (document.activeElement !== part) part.value = lab ? lab[k] : ""; });
+    // A colour of which one or two numbers are typed is none yet; they wait for the third.
+    if (lab || typed().every(Number.isFinite)) {
+      parts.forEach((part, k) => { if (document.activeElement !== part) part.value = lab ? lab[k] : ""; });
+    }
     if (document.activeElement !== within) within.value = most;
   };
   return { element, show };
