@@ -8,6 +8,7 @@ that worker shows (cluster_evidence.py).
 
 from __future__ import annotations
 
+import concurrent.futures
 import contextlib
 import itertools
 import time
@@ -28,7 +29,13 @@ from relgloss_view.catalogue.cluster_processes import (
     local_cluster,
     silent,
 )
-from relgloss_view.catalogue.cluster_worker import Program, Refused, perform, this_program
+from relgloss_view.catalogue.cluster_worker import (
+    Performed,
+    Program,
+    Refused,
+    perform,
+    this_program,
+)
 from relgloss_view.catalogue.engine import MOST_WORKERS, Done, EngineOptions, Lost, Task
 
 IN_FLIGHT = 2  #: batches of a worker: one at work, one that waits there
@@ -132,7 +139,7 @@ class _Run:
             for future, result in self._completed.next_batch(block=False):
                 flight = self._flights.pop(future, None)
                 if flight is not None:
-                    self._finish(flight, future, result)
+                    self._finish(flight, result)
             for flight in self._left_behind():
                 self._judge(flight, 1)
 
@@ -152,12 +159,13 @@ class _Run:
             if not self._completed.has_ready():
                 ready.wait(WAITED_S)
 
-    def _finish(self, flight: _Flight, future: Any, result: Any) -> None:
+    def _finish(self, flight: _Flight, result: Any) -> None:
+        """Take what came. A future's status may have gone on since, as a worker died."""
         from distributed import KilledWorker
 
-        if future.status == "cancelled":  # the scheduler has lost them
+        if isinstance(result, concurrent.futures.CancelledError):  # the scheduler has lost them
             self._batches.put_back(flight.tasks)
-        elif future.status == "finished":
+        elif isinstance(result, Performed):
             begun = flight.tasks[: len(result.results)]
             for task, each, took_s in zip(begun, result.results, result.seconds, strict=True):
                 if isinstance(each, Refused):

@@ -8,7 +8,7 @@ import random
 import signal
 import subprocess
 import sys
-import threading
+import time
 import tomllib
 import urllib.request
 from pathlib import Path
@@ -158,33 +158,32 @@ def test_a_task_that_takes_all_memory_is_lost(monkeypatch):
     assert got == {f"square {n}": work.square(n) for n in range(3)}
 
 
-def killed(count, tasks, options, pause_s):
-    """Results of a run whose workers are killed at random, and the number of kills."""
+def killed(count, tasks, options, most):
+    """Results of a run whose workers are killed at random, and the number of kills.
+
+    most: results between two kills; a time between them would be too short to start a worker in
+    where the machine is busy.
+    """
     dice = random.Random(20)
-    kills = []
-    over = threading.Event()
+    kills, left = 0, dice.randint(1, most)
 
-    def killer():
-        while len(kills) < count and not over.wait(dice.uniform(*pause_s)):
-            alive = workers_of(os.getpid())
-            if alive:
-                victim = dice.choice(alive)
-                victim.send_signal(signal.SIGKILL)
-                kills.append(victim.pid)
+    def step():
+        nonlocal kills, left
+        left -= 1
+        if kills == count or left > 0:
+            return
+        time.sleep(dice.uniform(0.0, 0.1))  # so that it happens anywhere in the next task
+        alive = workers_of(os.getpid())
+        if alive:
+            dice.choice(alive).send_signal(signal.SIGKILL)
+            kills, left = kills + 1, dice.randint(1, most)
 
-    thread = threading.Thread(target=killer)
-    thread.start()
-    try:
-        got = results(tasks, options)
-    finally:
-        over.set()
-        thread.join()
-    return got, len(kills)
+    return results(tasks, options, step), kills
 
 
 def test_workers_killed_at_random():
     tasks = work.tasks_of(work.slow_square, range(60), 0.05)
-    got, kills = killed(4, tasks, TWO, (0.5, 1.0))
+    got, kills = killed(3, tasks, TWO, 12)
     assert kills >= 2
     assert got == {f"slow_square {n}": work.square(n) for n in range(60)}
 
@@ -192,7 +191,7 @@ def test_workers_killed_at_random():
 @pytest.mark.slow
 def test_workers_killed_fifty_times():
     tasks = work.tasks_of(work.slow_square, range(1500), 0.05)
-    got, kills = killed(50, tasks, TWO, (0.3, 1.5))
+    got, kills = killed(50, tasks, TWO, 25)
     assert kills == 50
     assert got == {f"slow_square {n}": work.square(n) for n in range(1500)}
 

@@ -26,6 +26,7 @@ from catalogue_clusters import (
 )
 from catalogue_tasks import tasks_of, user
 
+from relgloss_view.base.interruptions import WORDS
 from relgloss_view.bench.verdicts.judging import SOUND, table_of
 from relgloss_view.catalogue.engine import EngineOptions
 
@@ -115,7 +116,8 @@ def test_an_interrupted_build_goes_on(number, tmp_path):
     assert kept >= 2
     if number != signal.SIGKILL:
         assert build.returncode == 128 + number
-        assert len(err.strip().splitlines()) == 1, err
+        goes_on = "what is done is kept; the same command goes on from there"
+        assert err.splitlines() == [goes_on, f"relgloss: {WORDS}"]
     assert built(samples, catalogue, "--workers", "2") == untouched
     assert list((tmp_path / "cwd").iterdir()) == []
 
