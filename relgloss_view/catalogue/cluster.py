@@ -43,6 +43,7 @@ WAITED_S = 0.2  #: between two checkpoints; a result ends the wait
 COUNTED_S = 0.5  #: between two counts of the workers
 ANSWER_S = 10.0  #: so long a scheduler may take to answer
 GONE_S = 2.0  #: so long after a worker has gone, what it did may still be on its way
+UNHEARD_S = 30.0  #: so long Dask may take to hand over what is done
 SCHEMES = ("tcp://", "tls://")
 
 
@@ -96,6 +97,7 @@ class _Flight:
     begun_s: float
     worker: str | None = None  #: address of the one that has a task alone
     gone_s: float | None = None  #: when that worker was found gone
+    over_s: float | None = None  #: when Dask was found to be done with them
 
 
 class _Run:
@@ -223,17 +225,22 @@ class _Run:
                 self._submit((self._aside.popleft(),), worker)
 
     def _left_behind(self) -> list[_Flight]:
-        """Take back tasks whose only worker has gone: Dask waits for that worker for ever."""
+        """Take back what would never come.
+
+        Dask waits for ever for the only worker that a task may have, and it hands nothing over
+        where a second worker dies while it fetches a result.
+        """
         if not self._known:  # nothing is heard: that is the scheduler's silence, or all have gone
             return []
         now_s = time.monotonic()
         left = []
         for future, flight in list(self._flights.items()):
-            if flight.worker is None or flight.worker in self._known:
-                flight.gone_s = None
-            elif flight.gone_s is None:
-                flight.gone_s = now_s
-            elif now_s > flight.gone_s + GONE_S:
+            is_here = flight.worker is None or flight.worker in self._known
+            flight.gone_s = None if is_here else flight.gone_s or now_s
+            flight.over_s = None if future.status == "pending" else flight.over_s or now_s
+            is_gone = flight.gone_s is not None and now_s > flight.gone_s + GONE_S
+            is_unheard = flight.over_s is not None and now_s > flight.over_s + UNHEARD_S
+            if is_gone or is_unheard:
                 del self._flights[future]
                 future.cancel()
                 left.append(flight)

@@ -146,6 +146,25 @@ def test_a_task_that_kills_its_worker_is_lost_alone(bound):
     assert len(set(again)) == len(again) == lost.tries  # each try has ended a worker
 
 
+def test_a_result_that_dask_never_hands_over(monkeypatch):
+    """The task is done again: Dask forgets a future where a worker dies under its result."""
+    import distributed
+
+    track, forgotten = distributed.as_completed._track_future, []
+
+    async def tracked(completed, future):
+        if len(forgotten) < 2:
+            forgotten.append(future.key)
+        else:
+            await track(completed, future)
+
+    monkeypatch.setattr(distributed.as_completed, "_track_future", tracked)
+    monkeypatch.setattr(cluster, "UNHEARD_S", 0.1)
+    got = by_one(work.tasks_of(work.square, range(40)))
+    assert len(forgotten) == 2
+    assert got == {f"square {n}": work.square(n) for n in range(40)}
+
+
 @pytest.mark.slow
 def test_a_task_that_takes_all_memory_is_lost(monkeypatch):
     monkeypatch.setattr(cluster_processes, "MEMORY_SHARE", 1.0)
