@@ -12,6 +12,7 @@ from relgloss_view.base.reading import printable, read_text
 from relgloss_view.base.terminal import Progress, warn
 from relgloss_view.base.writing import check_writable, whole_file
 from relgloss_view.commands.matched import add_reference_option
+from relgloss_view.commands.outputs import refuse_read
 from relgloss_view.commands.scene_options import DEFAULT_SIZE, SOURCES, add_scene_options
 from relgloss_view.picture.scene.look import viewed_look
 from relgloss_view.proof.proof import ARTWORK_PX, MOST_AUTHOR, MOST_NOTE, MOST_TITLE
@@ -83,6 +84,9 @@ def run(args: argparse.Namespace) -> int:
     _check_length(args.author, "--author", MOST_AUTHOR)
     _check_length(args.title, "--title", MOST_TITLE)
     check_writable(output)
+    # An answer may take the place of the proof that it answers: it holds all of the thread.
+    sample = None if _is_proof(args.design) else args.design
+    refuse_read(output, (sample, args.reference, args.note_file, args.sign))
     key = None if args.sign is None else _key(args.sign)
     sizes: dict[str, int] = {}
     notes: tuple[str, ...] = ()

@@ -248,6 +248,19 @@ def test_key(capsys, tmp_path):
     assert ran(capsys, "proof", "key", "--trust", tmp_path / "me.key.pub")[0] == 2
 
 
+@pytest.mark.parametrize("option", ["SCENE", "--note-file", "--sign"])
+def test_make_never_replaces_what_it_reads(capsys, tmp_path, option):
+    """A link may have any name: here one that ends in .html."""
+    read = tmp_path / "read"
+    read.write_text("kept")
+    link = tmp_path / "link.html"
+    link.symlink_to(read)
+    words = [str(read)] if option == "SCENE" else ["matte-coated", option, str(read)]
+    assert main(["proof", "make", *words, "-o", str(link)]) == 1
+    assert "this is the file that is read" in capsys.readouterr().err
+    assert read.read_text() == "kept"
+
+
 @pytest.mark.parametrize("part", ["check", "show"])
 def test_files_that_are_no_proofs(capsys, tmp_path, part):
     (tmp_path / "x.html").write_text("<!DOCTYPE html>\n<html></html>")
