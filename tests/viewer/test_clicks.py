@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 import time
 
 import pytest
-from x_server import LONGEST_S, environment, hand, needs_server, running, until
+from slow_window import draw, slow_window
+from x_server import hand, needs_server, until
 
 from relgloss_view.viewer.shell.clicks import ALWAYS_S, DOUBLE_CLICK_S, NEVER_S, Clicks
 
@@ -106,48 +106,36 @@ def test_two_presses_of_one_look_keep_their_order_and_buttons_are_apart():
 @pytest.mark.parametrize("guarded", [True, False])
 def test_double_clicks_reach_a_window_whose_frames_are_slow(tmp_path, guarded):
     """The control leaves it to the interface, and shows what is guarded against."""
-    printed = tmp_path / "printed"
-    with running() as display, printed.open("w") as file:
-        process = subprocess.Popen(
-            [sys.executable, __file__, str(int(guarded))],
-            env=environment(tmp_path, display),
-            stdout=file,
-        )
-        try:
-            hand(display, "mousemove", "60", "60")
+    with slow_window(__file__, guarded, tmp_path) as (display, printed):
+        hand(display, "mousemove", "60", "60")
 
-            def count(word):
-                return printed.read_text().count(f"{word}\n")
+        def count(word):
+            return printed().count(f"{word}\n")
 
-            def has_the_mouse():
-                hand(display, "click", "1")
-                time.sleep(4.0 * FRAME_S)
-                return count("up") > 0
+        def has_the_mouse():
+            hand(display, "click", "1")
+            time.sleep(4.0 * FRAME_S)
+            return count("up") > 0
 
-            until(has_the_mouse)
-            time.sleep(2.0)  # what was clicked until now is over
-            before_ups, before = count("up"), count("double")
+        until(has_the_mouse)
+        time.sleep(2.0)  # what was clicked until now is over
+        before_ups, before = count("up"), count("double")
 
-            def clicked_twice(apart_ms):
-                nonlocal before_ups, before
-                hand(display, "click", "--repeat", "2", "--delay", str(apart_ms), "1")
-                until(lambda: count("up") >= before_ups + 2)
-                time.sleep(SLOW_MS / 1000)
-                doubles, before_ups, before = count("double") - before, count("up"), count("double")
-                return doubles
+        def clicked_twice(apart_ms):
+            nonlocal before_ups, before
+            hand(display, "click", "--repeat", "2", "--delay", str(apart_ms), "1")
+            until(lambda: count("up") >= before_ups + 2)
+            time.sleep(SLOW_MS / 1000)
+            doubles, before_ups, before = count("double") - before, count("up"), count("double")
+            return doubles
 
-            quick = [clicked_twice(QUICK_MS) for _ in range(CLICKS)]
-            slow = [clicked_twice(SLOW_MS) for _ in range(3)]
-            if guarded:
-                assert quick == [1] * CLICKS
-                assert slow == [0] * 3
-            else:
-                assert sum(quick) < CLICKS
-            process.terminate()
-            assert process.wait(LONGEST_S) == 0
-        finally:
-            process.kill()
-            process.wait(LONGEST_S)
+        quick = [clicked_twice(QUICK_MS) for _ in range(CLICKS)]
+        slow = [clicked_twice(SLOW_MS) for _ in range(3)]
+        if guarded:
+            assert quick == [1] * CLICKS
+            assert slow == [0] * 3
+        else:
+            assert sum(quick) < CLICKS
 
 
 def main(guarded):
@@ -155,34 +143,15 @@ def main(guarded):
 
     from relgloss_view.viewer.shell import window
 
-    class Slow:
-        """Prints what it sees of clicks; each frame takes long."""
-
-        def start(self, ctx, window):
-            pass
-
-        def frame(self):
-            time.sleep(FRAME_S)
-            if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
-                print("double", flush=True)
-            if imgui.is_mouse_released(imgui.MouseButton_.left):
-                print("up", flush=True)
-
-        def after_frame(self, frame_s):
-            return True
-
-        def wait_s(self):
-            return None
-
-        def dropped(self, paths):
-            pass
-
-        def finish(self):
-            pass
+    def say():
+        if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
+            print("double", flush=True)
+        if imgui.is_mouse_released(imgui.MouseButton_.left):
+            print("up", flush=True)
 
     if not guarded:
         window.clicks.listen = lambda handle, address: window.clicks.Mouse()
-    window.Window(Slow(), (200, 100)).run()
+    draw(FRAME_S, say)
 
 
 if __name__ == "__main__":

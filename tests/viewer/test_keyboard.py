@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 import time
 
 import glfw
 import pytest
-from x_server import LONGEST_S, environment, hand, needs_server, running, until
+from slow_window import draw, slow_window
+from x_server import hand, needs_server, until
 
 from relgloss_view.viewer.shell.keyboard import Keyboard
 
@@ -91,39 +91,27 @@ class TestKeyboard:
 @pytest.mark.parametrize("guarded", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_chords_reach_a_window_whose_frames_are_slow(tmp_path, guarded):
     """The control gives the interface everything at once, and shows what is guarded against."""
-    said = tmp_path / "said"
-    with running() as display, said.open("w") as file:
-        process = subprocess.Popen(
-            [sys.executable, __file__, str(int(guarded))],
-            env=environment(tmp_path, display),
-            stdout=file,
-        )
-        try:
+    with slow_window(__file__, guarded, tmp_path) as (display, said):
 
-            def has_the_keyboard():
-                hand(display, "key", "q")
-                time.sleep(3.0 * FRAME_S)
-                return said.read_text().startswith("q\n")
+        def has_the_keyboard():
+            hand(display, "key", "q")
+            time.sleep(3.0 * FRAME_S)
+            return said().startswith("q\n")
 
-            until(has_the_keyboard)
-            sent = 0
+        until(has_the_keyboard)
+        sent = 0
 
-            def lost():
-                nonlocal sent
-                hand(display, "key", "ctrl+e")
-                sent += 1
-                until(lambda: said.read_text().count("up\n") >= sent)
-                return said.read_text().count("chord\n") < sent
+        def lost():
+            nonlocal sent
+            hand(display, "key", "ctrl+e")
+            sent += 1
+            until(lambda: said().count("up\n") >= sent)
+            return said().count("chord\n") < sent
 
-            if guarded:
-                assert not any(lost() for _ in range(CHORDS))
-            else:
-                until(lost)  # on a busy machine a chord may come slowly enough by itself
-            process.terminate()
-            assert process.wait(LONGEST_S) == 0
-        finally:
-            process.kill()
-            process.wait(LONGEST_S)
+        if guarded:
+            assert not any(lost() for _ in range(CHORDS))
+        else:
+            until(lost)  # on a busy machine a chord may come slowly enough by itself
 
 
 def main(guarded):
@@ -131,36 +119,17 @@ def main(guarded):
 
     from relgloss_view.viewer.shell import window
 
-    class Slow:
-        """Tells of chords; each frame takes long, so that one gets all of it."""
-
-        def start(self, ctx, window):
-            pass
-
-        def frame(self):
-            time.sleep(FRAME_S)
-            if imgui.is_key_chord_pressed(int(imgui.Key.q)):
-                print("q", flush=True)
-            if imgui.is_key_chord_pressed(int(imgui.Key.mod_ctrl) | int(imgui.Key.e)):
-                print("chord", flush=True)
-            if imgui.is_key_released(imgui.Key.e):
-                print("up", flush=True)
-
-        def after_frame(self, frame_s):
-            return True  # draw on: keys come while a frame is being made
-
-        def wait_s(self):
-            return None
-
-        def dropped(self, paths):
-            pass
-
-        def finish(self):
-            pass
+    def say():
+        if imgui.is_key_chord_pressed(int(imgui.Key.q)):
+            print("q", flush=True)
+        if imgui.is_key_chord_pressed(int(imgui.Key.mod_ctrl) | int(imgui.Key.e)):
+            print("chord", flush=True)
+        if imgui.is_key_released(imgui.Key.e):
+            print("up", flush=True)
 
     if not guarded:
         window.keyboard.listen = lambda handle, address: None
-    window.Window(Slow(), (200, 100)).run()
+    draw(FRAME_S, say)
 
 
 if __name__ == "__main__":
